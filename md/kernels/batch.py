@@ -1,8 +1,8 @@
 """Contacts of rods with each other, or with a wall, computed side by side.
 
-The contacts of a step are collected first, number by number, and their forces found in a loop
-without a branch or a place that depends on a number: the compiler puts several contacts into
-one instruction. Then each is added to its rods, in the order in which it was found.
+The contacts of a step are collected first, in an array for each number, and their forces computed
+in a loop without a branch or an index that depends on data: the compiler puts several contacts
+into one instruction. Then the forces are added to the rods, in the order of collection.
 """
 
 from math import sqrt
@@ -16,76 +16,79 @@ from .state import Kept, keep, kept_of
 from .vectors import add, dot, times, torque
 
 SIZE = 64  # contacts; fixed, so that the compiler knows how far apart numbers lie
-MOST = SIZE - 8  # that may be there before a pair or a rod is looked at
+MOST = SIZE - 8  # contacts collected at most before the next pair or rod is looked at
 WIDTH = 8  # contacts that one instruction may hold, at most
 
-# Numbers of a contact, three places for each vector: given,
+# Numbers of a contact, three of them for each vector. Input:
 GAP = 0  # 1 - overlap along the normal
 ARM, OTHER_ARM = 3, 6  # from both centres to the contact point
 DIRECTOR, OTHER_DIRECTOR = 9, 12  # in space
 HALF, GAIN = 15, 18  # velocity of the first rod against the other half a step before; acceleration
-SHARE = 21  # of the contact, if several are one
-# of the step before, then of this one, as if the contact had all of its share,
+SHARE = 21  # weight of the contact, 0 to 1, if several are one
+# Kept, of the step before, then of this one, for a contact of the weight 1:
 PRESSED, RUB, SPRING = 22, 23, 26  # F_n, F_t, length of the spring
-# and found.
+# Results:
 FORCE, TORQUE, OTHER_TORQUE = 29, 32, 35
 NORMAL_LOSS, FRICTION_LOSS = 38, 39  # of this step
 NUMBERS = 40
 
-ONE, TWO = (1,), (1, 1)  # rods of a contact, told by a length
+ONE, TWO = (1,), (1, 1)  # number of rods of a contact, as the length of a tuple
 
 
 class Batch(NamedTuple):
-    """Contacts of a step."""
+    """Contacts collected in a step."""
 
     numbers: np.ndarray  # (NUMBERS SIZE,): SIZE values of each number
-    place: np.ndarray  # (SIZE, 4): rods, row and slot of what is kept of the contact
+    place: np.ndarray  # (SIZE, 4): both rods, row and slot of the kept forces and springs
 
 
 class Given(NamedTuple):
-    """A contact to be computed."""
+    """Contact that is to be computed, before it is stored in a batch."""
 
     first: np.uint64  # rods; of a wall, the first counts
     second: np.uint64
-    row: np.uint64  # of what is kept
+    row: np.uint64  # of the kept forces and springs
     slot: int
     gap: tuple  # d; 1 - overlap along the normal
-    bodies: tuple  # as of `contact.Meeting`
-    half: tuple  # the same
+    bodies: tuple  # this and the next two: as in `contact.Meeting`
+    half: tuple
     gain: tuple
-    share: float  # of the contact, 0 to 1
+    share: float  # weight of the contact, 0 to 1
 
 
 class Alike(NamedTuple):
-    """What the contacts of a batch have in common."""
+    """Parameters that all contacts of a batch share."""
 
     law: Any  # `normal` and `friction`
     rods: tuple  # `ONE` at a wall, or `TWO`
     inertia: Inertia
-    up: tuple
-    columns: tuple[int, int]  # of the ledger
+    up: tuple  # unit vector upwards: of two numbers in the plane, of three in space
+    columns: tuple[int, int]  # of the ledger, for losses in normal dashpots and by friction
 
 
 def no_contacts() -> Batch:
-    """An empty batch."""
+    """Create an empty batch."""
     return Batch(np.ones(NUMBERS * SIZE), np.zeros((SIZE, 4), np.int64))
 
 
 @kernel
 def get(numbers, what, c):
-    """A number of contact c; without a sign, the place needs no check for one below zero."""
+    """Number `what` of contact c.
+
+    The index is unsigned, so that it needs no check for a negative one.
+    """
     return numbers[np.uint64(what * SIZE + c)]
 
 
 @kernel
 def fill(numbers, what, c, value):
-    """Put a number of contact c."""
+    """Store number `what` of contact c."""
     numbers[np.uint64(what * SIZE + c)] = value
 
 
 @kernel
 def get_vector(numbers, what, c, up):
-    """A vector of contact c."""
+    """Vector of contact c, from number `what` on."""
     if len(up) == 2:
         return get(numbers, what, c), get(numbers, what + 1, c)
     return get(numbers, what, c), get(numbers, what + 1, c), get(numbers, what + 2, c)
@@ -93,7 +96,7 @@ def get_vector(numbers, what, c, up):
 
 @kernel
 def get_axial(numbers, what, c, up):
-    """A torque of contact c, or a part across its normal."""
+    """Torque or tangential part of contact c, from number `what` on: 1 or 3 numbers."""
     if len(up) == 2:
         return (get(numbers, what, c),)
     return get(numbers, what, c), get(numbers, what + 1, c), get(numbers, what + 2, c)
@@ -101,7 +104,7 @@ def get_axial(numbers, what, c, up):
 
 @kernel
 def fill_all(numbers, what, c, v):
-    """Put a vector of contact c."""
+    """Store a vector of contact c, from number `what` on."""
     fill(numbers, what, c, v[0])
     if len(v) > 1:
         fill(numbers, what + 1, c, v[1])
@@ -111,14 +114,14 @@ def fill_all(numbers, what, c, v):
 
 @kernel
 def get_kept(numbers, c, up):
-    """What is kept of contact c, as if it had all of its share."""
+    """`Kept` of contact c, as for the weight 1."""
     rub, spring = get_axial(numbers, RUB, c, up), get_axial(numbers, SPRING, c, up)
     return Kept(get(numbers, PRESSED, c), rub, spring)
 
 
 @kernel
 def fill_kept(numbers, c, kept):
-    """Put it."""
+    """Store the `Kept` of contact c, as for the weight 1."""
     fill(numbers, PRESSED, c, kept.force)
     fill_all(numbers, RUB, c, kept.rub)
     fill_all(numbers, SPRING, c, kept.spring)
@@ -126,7 +129,7 @@ def fill_kept(numbers, c, kept):
 
 @kernel
 def fill_body(numbers, what, n, arm, director):
-    """Put a body of contact n; `what`: places of its arm and, in space, of its director."""
+    """Store a body of contact n; `what`: where its arm and, in space, its director begin."""
     fill_all(numbers, what[0], n, arm)
     if len(arm) == 3:
         fill_all(numbers, what[1], n, director)
@@ -134,7 +137,7 @@ def fill_body(numbers, what, n, arm, director):
 
 @kernel
 def fill_bodies(numbers, n, bodies):
-    """Put both bodies, or the one at a wall."""
+    """Store both bodies of contact n, or the one at a wall."""
     fill_body(numbers, (ARM, DIRECTOR), n, bodies[0][0], bodies[0][1])
     if len(bodies) == 2:
         fill_body(numbers, (OTHER_ARM, OTHER_DIRECTOR), n, bodies[1][0], bodies[1][1])
@@ -142,7 +145,7 @@ def fill_bodies(numbers, n, bodies):
 
 @kernel
 def collect(batch, n, given, forces, springs, up):
-    """Put a contact at place n, with what is kept of it; the number of contacts then."""
+    """Store a contact at place n, with its kept forces and spring; return the contact count."""
     (numbers, place), at, row, slot = batch, np.uint64(n), given.row, given.slot
     place[at, 0], place[at, 1], place[at, 2], place[at, 3] = given.first, given.second, row, slot
     fill_all(numbers, GAP, n, given.gap)
@@ -156,7 +159,7 @@ def collect(batch, n, given, forces, springs, up):
 
 @kernel
 def bodies_of(rods, numbers, c, up):
-    """Of each of the `rods` of contact c, the arm and the director."""
+    """Arm and director of each rod of contact c; `rods`: `ONE` or `TWO`."""
     first = get_vector(numbers, ARM, c, up), get_vector(numbers, DIRECTOR, c, up)
     if len(rods) == 1:
         return (first,)
@@ -166,7 +169,7 @@ def bodies_of(rods, numbers, c, up):
 
 @kernel
 def fill_torques(numbers, c, bodies, force):
-    """Put the torques on both bodies, by a force on the first."""
+    """Store the torques on both bodies of contact c, by a force on the first."""
     fill_all(numbers, TORQUE, c, torque(bodies[0][0], force))
     if len(bodies) == 2:
         fill_all(numbers, OTHER_TORQUE, c, times(-1.0, torque(bodies[1][0], force)))
@@ -174,7 +177,7 @@ def fill_torques(numbers, c, bodies, force):
 
 @kernel
 def accounted(ledger, law, numbers, c, meeting, found, dt):
-    """What is lost in this step."""
+    """Store the energies lost in contact c in this step, if there is a ledger."""
     if ledger is not None:
         share = get(numbers, SHARE, c)
         normal, friction = losses(law, meeting, found, dt)
@@ -184,7 +187,7 @@ def accounted(ledger, law, numbers, c, meeting, found, dt):
 
 @kernel
 def act_on(alike, ledger, numbers, c, dt):
-    """What acts in contact c."""
+    """Compute contact c and store its force, torques, spring and losses."""
     law, rods, inertia, up, _ = alike
     gap, bodies = get_vector(numbers, GAP, c, up), bodies_of(rods, numbers, c, up)
     kept = get_kept(numbers, c, up)
@@ -204,7 +207,7 @@ def act_on(alike, ledger, numbers, c, dt):
 
 @kernel
 def booked(ledger, numbers, columns, count):
-    """Add the losses of this step to two columns."""
+    """Add losses of the first `count` contacts to two columns of the ledger, if there is one."""
     if ledger is not None:
         normal, friction = 0.0, 0.0
         for c in range(count):
@@ -216,12 +219,12 @@ def booked(ledger, numbers, columns, count):
 
 @kernel(inline=False)
 def acted(alike, kept, sums, batch, ledger, count, dt):
-    """Add force and torque of the first contacts of the batch to `sums`.
+    """Compute the first `count` contacts; add forces and torques to `sums`, losses to the ledger.
 
-    `kept`: forces and springs.
+    `sums`: force and torque on each rod; `kept`: forces and springs of all contacts, renewed here.
     """
     (numbers, place), (forces, springs), up = batch, kept, alike.up
-    for c in range(min((count + WIDTH - 1) // WIDTH * WIDTH, SIZE)):  # the last ones are idle
+    for c in range(min((count + WIDTH - 1) // WIDTH * WIDTH, SIZE)):  # beyond `count` idle ones
         act_on(alike, ledger, numbers, c, dt)
     for c in range(count):
         i, force = np.uint64(place[c, 0]), get_vector(numbers, FORCE, c, up)

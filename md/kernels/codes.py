@@ -1,19 +1,19 @@
-"""Numbers that the kernels, their host and the tests share: stop codes, columns, phases, limits."""
+"""Constants shared by kernels, their host and the tests: stop codes, columns, phases, limits."""
 
 DEEP = 0.5  # d; deepest overlap: there a cap's centre reaches the plate, or another rod's axis
 SKIN = 0.4  # d; a list of pairs holds all axes closer than 1 + SKIN
-SAMPLES_A_PERIOD = 32  # of tilt and place
+SAMPLES_A_PERIOD = 32  # samples of tilt and place in each period
 
 # Why a run of a kernel ended.
 DONE = 0  # all steps are made
 OPENED = 1  # the contact that was watched is over
-NOT_FINITE = 2  # the state of a rod
-TOO_DEEP = 3  # a rod in the plate
+NOT_FINITE = 2  # the state of a rod is not finite
+TOO_DEEP = 3  # a rod overlaps with the plate by more than DEEP
 FULL_LIST = 4  # more pairs than the list can hold
-PAIR_TOO_DEEP = 5  # two rods in each other
+PAIR_TOO_DEEP = 5  # two rods overlap by more than DEEP
 FULL_RECORD = 6  # more touches than the record might hold after another step
 TOO_FAST = 7  # a rod moved so far that it may have passed through another one unseen
-WALL_TOO_DEEP = 8  # a rod in a wall of an annulus
+WALL_TOO_DEEP = 8  # a rod overlaps with a wall of an annulus by more than DEEP
 
 # State of a rod of a row: place and direction at a step, velocities half a step before.
 X, Z, SINE, COSINE, C_X, C_Z, OMEGA = range(7)
@@ -25,10 +25,10 @@ ROW_PLACE, ROW_DIRECTION, ROW_VELOCITY = slice(X, SINE), slice(SINE, C_X), slice
 PLACE, DIRECTOR, VELOCITY, TURN = 0, 3, 6, 9
 SPACE_COLUMNS = 12
 
-# Places of the tangential springs of a rod in space.
+# Slots of the tangential springs of a rod in space.
 PLATE_CAPS, INNER, OUTER = 0, 2, 5  # plate: caps 0-1, inner wall: caps 2-3 and between 4, outer 5-6
 SLOTS = 7
-CROSSING = 4  # of two rods: ends of the first 0-1, of the second 2-3, between their ends 4
+CROSSING = 4  # slots of two rods: ends of the first 0-1, of the second 2-3, between their ends 4
 
 # Columns of the energy ledger, m g d; the first is the work of the plate and of shaken walls.
 PLATE_WORK, PLATE_NORMAL, PLATE_FRICTION, PAIR_NORMAL, PAIR_FRICTION = range(5)
@@ -36,7 +36,7 @@ LEDGER_COLUMNS = 5
 WALL_NORMAL, WALL_FRICTION = 5, 6  # in an annulus alone
 ANNULUS_LEDGER = 7
 
-# Columns of the series, a row a period: those of both arrangements, of a row, of an annulus.
+# Columns of the series, one row per period: of both arrangements, of a row, of an annulus.
 TILT_SUM, SAMPLED = 0, 1  # sum over samples of the mean tilt, rad; number of samples
 MEAN_X, FELL, UPRIGHT = 2, 3, 4  # mean x at the start; rods past the horizontal, the vertical
 ROW_SERIES = 5
@@ -46,8 +46,8 @@ ANNULUS_SERIES = 4
 # Phases of a contact: before its slip first stopped, while it stuck, while it slipped after that.
 SLIDE, STUCK, TURNED = 0, 1, 2
 PHASES = ("slide", "stick", "reversal")
-# What is watched of a contact: duration of each phase, its normal impulse, and these.
-IMPULSE = 3  # of phase 0
+# Columns of a watched contact: duration of each phase, normal impulse of each phase, and these.
+IMPULSE = 3  # column of the normal impulse of phase 0
 WATCH_DEEPEST, WATCH_SIDE, WATCH_STOPPED, WATCH_TOUCHED = 6, 7, 8, 9
 WATCHED = 10
 

@@ -1,4 +1,4 @@
-"""One contact, compiled: its normal force, dashpots, friction and what it takes off the energy.
+"""One contact, compiled: its normal force, dashpots, friction and energy losses.
 
 Written once for rod on plate, rod on rod and rod on wall, in the plane and in space: vectors are
 tuples of two numbers or three (`vectors`). Reduced units: d = m = g = 1, m the mass of the rod. A
@@ -9,8 +9,8 @@ velocity of the step, which it changes itself: it is solved for that velocity,
 
     F = (elastic - c v)/(1 + c dt/(2 M)),
 
-v the velocity without the force in it and M the mass that the contact shows to it. All other forces
-on the two bodies are in v as of the step before, or as far as they are known in this one.
+with v the velocity without this force and M the effective mass of the contact for it. All other
+forces on the two bodies are in v as of the step before, or as far as they are known in this one.
 
 The tangential element is a spring with a dashpot beside it, both in series with a slider that
 gives way at mu F_n (`spring_friction`), or no element at all but the constraint that the slip stays
@@ -27,11 +27,11 @@ PHASE = 1 / 3  # part of a spring's change in a step that its force sees (`sprin
 
 
 class Normal(NamedTuple):
-    """Normal force of a contact: Hertz' force and three dashpots, of which `None` is absent.
+    """Normal force of a contact: Hertz' force and up to three dashpots, `None` where absent.
 
     F_n = k_n delta^(3/2) - (quarter sqrt(M) delta^(1/4) + proportional delta + constant) v_n, in
     m g and never below zero. delta is the overlap in d, v_n the velocity at which the contact opens
-    in sqrt(g d), M the mass that the contact shows to a normal force in m: 1/M = 1/m + X^2/I.
+    in sqrt(g d), M the effective mass of the contact for a normal force in m: 1/M = 1/m + X^2/I.
 
     stiffness : k_n, m g/d^(3/2); the paper writes m g/d
     quarter : of the dashpot that grows as delta^(1/4), sqrt(m g) d^(-3/4); it gives a restitution
@@ -49,16 +49,17 @@ class Normal(NamedTuple):
 
 
 class Spring(NamedTuple):
-    """Tangential spring and dashpot of a contact, of whose terms `None` is absent.
+    """Tangential spring and dashpot of a contact: terms of their constants, `None` where absent.
 
     F_t = -k s - g u, in m g and never beyond mu F_n. s is the length of the spring in d, u the slip
-    in sqrt(g d), delta the overlap in d; the stiffness k is in m g/d, the dashpot g in m sqrt(g/d).
+    in sqrt(g d), delta the overlap in d; the stiffness k is in m g/d, the dashpot constant g in
+    m sqrt(g/d).
 
     proportional : k = proportional delta, m g/d^2
     root : k = root sqrt(delta), m g/d^(3/2)
     proportional_dashpot : g = proportional_dashpot delta, m sqrt(g)/d^(3/2)
     constant_dashpot : g = constant_dashpot, m sqrt(g/d)
-    damping_ratio : g = 2 damping_ratio sqrt(k M), M the mass that the contact shows to a force
+    damping_ratio : g = 2 damping_ratio sqrt(k M), M the effective mass of the contact for a force
         along the plate, 1/M = 1/m + Z^2/I
     """
 
@@ -70,83 +71,86 @@ class Spring(NamedTuple):
 
 
 class Friction(NamedTuple):
-    """Coulomb friction; without a spring, a constraint."""
+    """Coulomb friction of a contact; without a spring, friction is a constraint."""
 
     coefficient: float
     spring: Spring | None
 
 
 class ContactForces(NamedTuple):
-    """What acts in the contacts of rods with each other."""
+    """Normal force and friction of one kind of contact."""
 
     normal: Normal
     friction: Friction | None
 
 
 class Inertia(NamedTuple):
-    """How a rod turns."""
+    """Rotational inertia of a rod: k its gyration radius, I and I_axial its moments of inertia."""
 
     lightness: float  # 1/k^2, 1/d^2
     rolling: float | None  # I/I_axial - 1; None: no rotation of a rod about its axis
 
 
 class Meeting(NamedTuple):
-    """A body and another one, or a surface, in a contact."""
+    """Contact before its forces of the step: a body against another one or a surface."""
 
     bodies: tuple  # of each, the arm from its centre to the contact, d, and its director
     out: tuple  # unit vector from the second body or the surface to the first
     overlap: float  # d, > 0
-    half: tuple  # sqrt(g d); velocity of the first against the second half a step before
-    gain: tuple  # g; its acceleration, as far as it is known, by the contact's last forces too
-    pressed: float  # m g; F_n of the step before, or as it is known
-    rubbed: tuple  # m g; F_t, across `out`
+    half: tuple  # sqrt(g d); velocity of the first body against the second half a step before
+    gain: tuple  # g; acceleration of that velocity as far as known, `pressed` and `rubbed` included
+    pressed: float  # m g; F_n of the step before, or as far as known
+    rubbed: tuple  # m g; F_t likewise, across `out`
     spring: tuple  # d; length of the tangential spring, across `out`
-    swept: tuple | None  # g; by which the slip changes as the arm does; None: neglected
-    explicit: bool | None  # True: dashpots see `now`; None: the velocity of their step
-    now: tuple  # sqrt(g d)
+    swept: tuple | None  # g; acceleration of the slip by the motion of the arm; None: neglected
+    explicit: bool | None  # True: dashpots see `now`; None: they see the velocity of their step
+    now: tuple  # sqrt(g d); velocity for explicit dashpots
 
 
 class Slip(NamedTuple):
-    """A contact with its normal force of the step and without its friction."""
+    """Motion of a contact with its normal force of the step and without its friction."""
 
     velocity: tuple  # sqrt(g d), at the step
-    drive: tuple  # g; its acceleration
+    drive: tuple  # g; acceleration of the velocity
     since: float  # sqrt(d/g); part of the last step since the touch
-    implicit: float  # sqrt(d/g); for which friction acts on that velocity
+    implicit: float  # sqrt(d/g); time for which friction acts on `velocity`
 
 
 class Force(NamedTuple):
-    """What acts in a contact on the first body."""
+    """Forces of a contact on its first body, the new spring and the velocities of the step."""
 
     normal: float  # F_n, m g
     rub: tuple  # F_t, m g: across `out`
-    spring: tuple  # d; its new length
+    spring: tuple  # d; new length of the tangential spring, across `out`
     rate: float  # sqrt(g d), at which the contact opens (+) or closes (-)
     slip: tuple  # sqrt(g d), at the step, across `out`
 
 
 @kernel
 def term(constant, factor):
-    """A product to add; where its constant is absent, -0.0, which adds nothing and has no code."""
+    """Summand constant * factor; -0.0 without a constant, which adds nothing and has no code."""
     return -0.0 if constant is None else constant * factor
 
 
 @kernel
 def dashpot(normal, overlap, root, mass):
-    """Normal force per velocity; `root` is sqrt(overlap)."""
+    """Dashpot constant quarter sqrt(M) delta^(1/4) + proportional delta + constant.
+
+    It is a force per velocity. `root` is sqrt(delta), `mass` is M.
+    """
     c = term(normal.quarter, sqrt(mass * root)) + term(normal.proportional, overlap)
     return c + term(normal.constant, 1.0)
 
 
 @kernel
 def elastic(normal, overlap):
-    """k_n delta^(3/2)."""
+    """Elastic force k_n delta^(3/2) of Hertz."""
     return normal.stiffness * overlap * sqrt(overlap)
 
 
 @kernel
 def largest(plastic, half, free, light, dt):
-    """Largest F_n of a step; a plastic contact does no more than stop at its end."""
+    """Upper limit of F_n in a step: a plastic contact just stops at its end, others have none."""
     if plastic is None:
         return inf
     return -(2 * free - half) / (light * dt)
@@ -154,14 +158,21 @@ def largest(plastic, half, free, light, dt):
 
 @kernel
 def damped(normal, overlap, free, light, implicit):
-    """The force with its dashpots; `light`: 1/M, `implicit`: for which it acts on `free`."""
+    """Elastic force with dashpots, solved for its own velocity: (elastic - c v)/(1 + c t/M).
+
+    `free` is v, the velocity without this force; `light` is 1/M; `implicit` is t, the time for
+    which the force acts on v.
+    """
     c = dashpot(normal, overlap, sqrt(overlap), 1 / light)
     return (elastic(normal, overlap) - c * free) / (1 + c * implicit * light)
 
 
 @kernel
 def with_dashpots(quarter, proportional, constant, normal, overlap, free, light, implicit):
-    """The same, of a contact that may have none; Numba drops a branch by a test of one argument."""
+    """Elastic force of a contact with its dashpots, if it has any; arguments as of `damped`.
+
+    The dashpots are separate arguments, as Numba drops a branch by a test of one argument.
+    """
     if quarter is None:  # noqa: SIM102
         if proportional is None:  # noqa: SIM102
             if constant is None:
@@ -173,8 +184,8 @@ def with_dashpots(quarter, proportional, constant, normal, overlap, free, light,
 def normal_force(normal, overlap, half, free, light, implicit, dt):
     """F_n >= 0 of a contact with overlap > 0, solved for the velocity of its own moment.
 
-    `half`, `free`: velocity at which it opens, half a step before and at the step without F_n in
-    it; `light`: 1/M; `implicit`: dt/2, for which F_n acts on that velocity, or 0.
+    `half`, `free`: velocity at which it opens, half a step before, and at the step but without F_n;
+    `light`: 1/M; `implicit`: time for which F_n acts on `free`, dt/2 or 0.
     """
     dashpots = normal.quarter, normal.proportional, normal.constant
     force = with_dashpots(*dashpots, normal, overlap, free, light, implicit)
@@ -183,13 +194,13 @@ def normal_force(normal, overlap, half, free, light, implicit, dt):
 
 @kernel
 def turn_by(inertia, torque, director):
-    """Rate of a rod's turn by a torque."""
+    """Rate of a rod's turn w by a torque: torque/k^2, restricted as in `free_turn`."""
     return free_turn(inertia.rolling, times(inertia.lightness, torque), director)
 
 
 @kernel
 def free_turn(rolling, w, director):
-    """A turn in the plane, or in space: without rolling, nothing turns a rod about its axis."""
+    """Turn w without its part along the director, in space and without rolling; else w."""
     if len(w) == 1:
         return w
     if rolling is None:
@@ -199,7 +210,7 @@ def free_turn(rolling, w, director):
 
 @kernel
 def turning(rolling, w, director):
-    """Angular velocity of a rod, given its w."""
+    """Angular velocity of a rod from its turn w: w + rolling (w . director) director."""
     if rolling is None:
         return w
     return along(w, rolling * dot(w, director), director)
@@ -207,7 +218,7 @@ def turning(rolling, w, director):
 
 @kernel
 def swung(rolling, w, director, arm):
-    """Velocity of the end of an arm, given the rod's w."""
+    """Velocity of the end of an arm from the centre of a rod, by the rod's turn w alone."""
     if len(arm) == 2:
         return swing(w, arm)
     return swing(turning(rolling, w, director), arm)
@@ -215,7 +226,10 @@ def swung(rolling, w, director, arm):
 
 @kernel
 def moved(inertia, bodies, force):
-    """Acceleration of the first body against the second at the contact, by a force on the first."""
+    """Acceleration of the first body against the second at the contact, by a force on the first.
+
+    The opposite force acts on the second body, if there is one.
+    """
     total = times(1.0 * len(bodies), force)
     for arm, director in bodies:
         w = turn_by(inertia, torque(arm, force), director)
@@ -225,7 +239,7 @@ def moved(inertia, bodies, force):
 
 @kernel
 def tangential_light(inertia, bodies, out, pull):
-    """1/M of a contact for a force across `out`, in space one along `pull`."""
+    """1/M, M the effective mass for a force across `out`, in space for one along `pull`."""
     if len(out) == 2:
         return dot(moved(inertia, bodies, spread((1.0,), out)), spread((1.0,), out))
     square = dot(pull, pull)
@@ -236,7 +250,7 @@ def tangential_light(inertia, bodies, out, pull):
 
 @kernel
 def tangential_constants(spring, overlap, mass):
-    """Stiffness k and dashpot g of the tangential element at this overlap."""
+    """Stiffness k and dashpot constant g of the tangential element at an overlap; `mass` is M."""
     k = term(spring.proportional, overlap) + term(spring.root, sqrt(overlap))
     g = term(spring.proportional_dashpot, overlap) + term(spring.constant_dashpot, 1.0)
     return k, g + term(spring.damping_ratio, 2 * sqrt(k * mass))
@@ -244,19 +258,19 @@ def tangential_constants(spring, overlap, mass):
 
 @kernel
 def touching(overlap, rate, dt):
-    """Part of the last step since the touch, a time: all of it but in a contact's first step."""
+    """Time since the touch, within the last step: dt, or less in the first step of a contact."""
     return overlap / -rate if -rate * dt > overlap else dt
 
 
 @kernel
 def size(v):
-    """Length of a vector; of one number, its size."""
+    """Length of a vector; absolute value of a single number."""
     return abs(v[0]) if len(v) == 1 else sqrt(dot(v, v))
 
 
 @kernel
 def unit(v):
-    """Direction of a vector other than zero."""
+    """Unit vector along a vector other than zero; sign of a single number."""
     if len(v) == 1:
         return (1.0 if v[0] > 0.0 else -1.0,)
     return times(1 / size(v), v)
@@ -264,7 +278,7 @@ def unit(v):
 
 @kernel
 def cut(force, limit):
-    """A force with the size `limit`."""
+    """Force of the size `limit` in the direction of a force."""
     if len(force) == 1:
         return (copysign(limit, force[0]),)
     return times(limit / size(force), force)
@@ -274,15 +288,16 @@ def cut(force, limit):
 def spring_friction(constants, light, limit, length, stretched, slips, implicit, dt):
     """F_t of spring and dashpot in series with a slider, and the spring's new length.
 
-    Without slip the spring follows the contact point, s' = u; `stretched` is its `length` then.
-    Spring k and dashpot g are solved for the slip u of their own moment; of the spring's change by
-    it they see the part PHASE, with which an oscillation keeps its phase to fourth order:
+    Without slip of the slider the spring follows the contact point, s' = u, and becomes `stretched`
+    from its `length`. Spring k and dashpot g are solved for the slip u of their own moment; of the
+    spring's change by that slip they see the part PHASE, with which an oscillation keeps its phase
+    to fourth order:
 
         F_t = -(k (s + PHASE dt/2 (u - half)) + g u),  u = free + F_t dt/(2 M),
 
-    `slips`: half a step before, and free of F_t. With slip |F_t| = limit and the element relaxes,
-    g s' = -F_t - k s; one step of backward Euler, stable for any g >= 0 and, for g = 0, the spring
-    that alone carries the limit.
+    `slips` are half, the slip half a step before, and free, the slip of the step without F_t. With
+    slip of the slider |F_t| = limit and the element relaxes, g s' = -F_t - k s; one step of
+    backward Euler, stable for any g >= 0 and, for g = 0, the spring that alone carries the limit.
     """
     (k, g), (half, free), part = constants, slips, PHASE * implicit
     force = along(times(-k, along(stretched, part, along(free, -1.0, half))), -g, free)
@@ -295,9 +310,9 @@ def spring_friction(constants, light, limit, length, stretched, slips, implicit,
 
 @kernel
 def stopping(compliance, a):
-    """Force across the normal that undoes an acceleration `a` of the slip.
+    """Friction force that cancels an acceleration `a` of the slip: -C^-1 a, with the compliance C.
 
-    `compliance`: accelerations by forces of one: in the plane (xx,), in space (xx, xy, yy).
+    `compliance`: accelerations by unit forces, (xx,) in the plane and (xx, xy, yy) in space.
     """
     if len(compliance) == 1:
         return (-a[0] / compliance[0],)
@@ -308,7 +323,7 @@ def stopping(compliance, a):
 
 @kernel
 def slowing(compliance, a):
-    """Acceleration along a unit vector `a` by a force of one along it."""
+    """Acceleration along a unit vector `a` by a unit force along it: a . C a, C the compliance."""
     if len(compliance) == 1:
         return compliance[0]
     xx, xy, yy = compliance
@@ -317,9 +332,10 @@ def slowing(compliance, a):
 
 @kernel
 def constraint_friction(compliance, slip, drive, limit, dt):
-    """Mean F_t over a step in which all else is constant: slip, its stop, then stick or slip back.
+    """Mean F_t of a constraint over a step: slip, its stop, then stick or slip back.
 
-    `slip`: half a step before; `drive`: its acceleration without friction.
+    All but friction is constant over the step. `slip`: half a step before; `drive`: its
+    acceleration without friction; `compliance`: as in `stopping`; `limit`: mu F_n.
     """
     stop, hold = stopping(compliance, along(drive, 1 / dt, slip)), stopping(compliance, drive)
     holds = size(hold)
@@ -338,7 +354,7 @@ def constraint_friction(compliance, slip, drive, limit, dt):
 
 @kernel
 def held(inertia, bodies, out, half, limit, drive, dt):
-    """Friction as a constraint, of a body on a level surface; arguments as of `Meeting`."""
+    """F_t of a constraint, for one body on a level surface; arguments as in `Meeting`."""
     if len(out) == 2:
         e = spread((1.0,), out)
         compliance = (dot(moved(inertia, bodies, e), e),)
@@ -352,7 +368,7 @@ def held(inertia, bodies, out, half, limit, drive, dt):
 
 @kernel
 def along_surface(length, out):
-    """A spring's length, which stays across the normal as that turns."""
+    """Length of a tangential spring, projected across the normal, which turns from step to step."""
     if len(out) == 2:
         return length
     return across(length, out)
@@ -360,15 +376,16 @@ def along_surface(length, out):
 
 @kernel
 def arm_moved(swept, drive):
-    """Acceleration of a slip with that by a moving arm."""
+    """Acceleration of the slip, that by the motion of the arm included unless it is `None`."""
     return drive if swept is None else along(drive, 1.0, swept)
 
 
 @kernel
 def rubbing(spring, inertia, meeting, slip, limit, dt):
-    """F_t up to `limit`, and the spring's new length; a constraint has none.
+    """F_t up to `limit`, and the spring's new length, which a constraint leaves as it is.
 
-    Both ends of rods side by side slip alike: a pair's spring counts on as much friction again.
+    Two rods side by side touch at both ends, which slip alike: the spring of a pair is solved as if
+    the other contact exerted the same friction.
     """
     n, bodies = meeting.out, meeting.bodies
     if spring is None:
@@ -388,7 +405,7 @@ def rubbing(spring, inertia, meeting, slip, limit, dt):
 
 @kernel
 def friction_force(friction, inertia, meeting, slip, force, dt):
-    """The same of any friction under a normal force; none where there is none."""
+    """F_t under a normal force, and the spring's new length; without friction F_t is zero."""
     if friction is None:
         return nothing(meeting.spring), meeting.spring
     return rubbing(friction.spring, inertia, meeting, slip, friction.coefficient * force, dt)
@@ -396,7 +413,7 @@ def friction_force(friction, inertia, meeting, slip, force, dt):
 
 @kernel
 def moved_by(friction, inertia, meeting, rub):
-    """Acceleration of the contact by friction."""
+    """Acceleration of the contact by its friction force; zero without friction."""
     if friction is None:
         return nothing(meeting.out)
     return moved_across(inertia, meeting.bodies, meeting.out, rub)
@@ -404,7 +421,7 @@ def moved_by(friction, inertia, meeting, rub):
 
 @kernel
 def moved_across(inertia, bodies, out, rub):
-    """The same of any contact; in the plane from that by a friction of one, known already."""
+    """Acceleration of the contact by a friction force; in the plane from that by a unit force."""
     if len(out) == 2:
         return times(rub[0], moved(inertia, bodies, spread((1.0,), out)))
     return moved(inertia, bodies, rub)
@@ -412,7 +429,11 @@ def moved_across(inertia, bodies, out, rub):
 
 @kernel
 def seen(explicit, now, half, gain, dt):
-    """Velocity that dashpots see as far as it is known, and the time a force acts on it."""
+    """Velocity that dashpots see, as far as known, and the time for which a force acts on it.
+
+    `explicit`: None: velocity of the step, on which a force acts for dt/2; True: `now`, on which it
+    does not act.
+    """
     if explicit is None:
         return along(half, dt / 2, gain), dt / 2
     return now, 0.0
@@ -420,10 +441,10 @@ def seen(explicit, now, half, gain, dt):
 
 @kernel
 def contact(normal, friction, inertia, meeting, dt):
-    """`Force` of a `Meeting`: F_n is solved first, with F_t as of `last`, then F_t under it."""
+    """Compute the `Force` of a `Meeting`: first F_n, with the last F_t, then F_t under this F_n."""
     n, overlap = meeting.out, meeting.overlap
     velocity, implicit = seen(meeting.explicit, meeting.now, meeting.half, meeting.gain, dt)
-    push = moved(inertia, meeting.bodies, n)  # of the contact, by a normal force of one
+    push = moved(inertia, meeting.bodies, n)  # acceleration of the contact by a unit normal force
     light, closing = dot(push, n), dot(meeting.half, n)
     free = dot(velocity, n) - implicit * light * meeting.pressed
     force = normal_force(normal, overlap, closing, free, light, implicit, dt)
@@ -438,12 +459,12 @@ def contact(normal, friction, inertia, meeting, dt):
 
 @kernel
 def total(found, out):
-    """The whole force."""
+    """Force vector on the first body, of F_n along `out` and F_t across it."""
     return along(spread(found.rub, out), found.normal, out)
 
 
 @kernel
 def losses(normal, meeting, found, dt):
-    """Energies that the dashpot across a contact and its friction take off in a step."""
+    """Energies lost in a step, m g d: in the normal dashpot, and by friction."""
     lost = elastic(normal, meeting.overlap) - found.normal
     return dt * found.rate * lost, -dt * dot(found.rub, found.slip)

@@ -3,11 +3,11 @@
 Verlet's method: velocities are kept half a step before the places. A contact sees them at the step:
 with its own force of that step, and all else as of the step before (`contact`). With velocities
 half a step old, the drift of strongly tilted rods would be off by more than a tenth at 20 steps a
-contact. All forces but dashpots and friction derive from `energy`, which takes their weights: of
-two ends that meet, of places between two ends (`pairs`, `walls`).
+contact. All forces but dashpots and friction derive from `energy`, which weights contacts as they
+do: where two ends meet, and between two ends (`pairs`, `walls`).
 
-An effect is an argument that may be `None`; each has one function that does nothing then, and that
-Numba compiles to nothing. The guide to a new effect is in `md.kernels`.
+An effect is an argument that may be `None`; each has one function, which then does nothing and
+which Numba compiles to nothing. The guide to a new effect is in `md.kernels`.
 """
 
 from math import acos, atan, atan2, pi, sqrt
@@ -60,28 +60,26 @@ from .walls import from_above, from_axis, passes, within
 
 
 class Series(NamedTuple):
-    """What is sampled, a row a period."""
+    """Samples of a run, one row per period."""
 
     rows: np.ndarray  # (periods + 1, ROW_SERIES or ANNULUS_SERIES): columns of `codes`
     last: np.ndarray  # (rods, 2): sin and cos of the tilt at the last sample; or (rods, 1), azimuth
-    per: int  # steps of a row
-    every: int  # steps between two samples
+    per: int  # steps of a period
+    every: int  # steps from one sample to the next
 
 
 class Watchers(NamedTuple):
-    """What looks on and acts on nothing; `None`: absent."""
+    """Diagnostics of a run, which act on nothing; `None`: absent."""
 
-    ledger: np.ndarray | None  # (5,), in space 7, m g d: to add to, columns of `codes`
+    ledger: np.ndarray | None  # (5,), in space 7, m g d: sums so far, columns of `codes`
     record: Record | None
     series: Series | None
 
 
-# What is sampled
-
-
+# Samples
 @kernel(inline=False)
 def sample_row(series, rods, row, start):
-    """Add to the series of a row."""
+    """Add a sample of a row to its series; `start`: whether it is the first of a period."""
     n, x, tilt, rows, sides = rods.shape[0], 0.0, 0.0, series.rows, series.last
     for i in range(n):
         sine, cosine = director_of(IN_PLANE, rods, i)
@@ -99,7 +97,7 @@ def sample_row(series, rods, row, start):
 
 @kernel(inline=False)
 def sample_annulus(series, rods, row):
-    """Add to the series of an annulus."""
+    """Add a sample of an annulus to its series."""
     n, advance, tilt, lean, rows = rods.shape[0], 0.0, 0.0, 0.0, series.rows
     for i in range(n):
         (x, y, _), a = place_of(IN_SPACE, rods, i), director_of(IN_SPACE, rods, i)
@@ -118,7 +116,7 @@ def sample_annulus(series, rods, row):
 
 @kernel
 def sample(series, up, rods, step):
-    """Add to the series at a sampling step."""
+    """Add a sample to the series, if there is one and this is a sampling step."""
     if series is None:
         return
     row, part = divmod(step, series.per)
@@ -135,7 +133,7 @@ def sample(series, up, rods, step):
 
 @kernel
 def accounted(ledger, touch, plate, dt):
-    """Plate work and losses at one cap."""
+    """Add work of the plate and losses at one cap to the ledger, if there is one."""
     if ledger is not None:
         ledger[PLATE_WORK] += touch.kept.force * plate[1] * dt
         ledger[PLATE_NORMAL] += touch.lost[0]
@@ -144,7 +142,7 @@ def accounted(ledger, touch, plate, dt):
 
 @kernel
 def on_plate(normal, effects, state, watchers, i, plate, clock):
-    """Add what the plate does to rod i; whether it is too deep."""
+    """Add force and torque of the plate on rod i; return whether it is too deep in the plate."""
     if normal is None:
         return False
     up, rods, total = effects.up, state.rods, state.scratch.total
@@ -177,7 +175,7 @@ def on_plate(normal, effects, state, watchers, i, plate, clock):
 
 @kernel
 def kicked(effects, rods, before, i, dt):
-    """Velocity and turn half a step on."""
+    """Velocity and turn of rod i half a step on; `before`: accelerations of this step."""
     up = effects.up
     gain, bend = vector(before, i, 0, up), axial(before, i, dimensions(up), up)
     c, w = along(velocity_of(up, rods, i), dt, gain), along(turn_of(up, rods, i), dt, bend)
@@ -186,7 +184,7 @@ def kicked(effects, rods, before, i, dt):
 
 @kernel
 def fastest_rod(effects, rods, before, speed, dt):
-    """Upper bound of all speeds after the step, and a rod that has none, or -1."""
+    """Upper bound of the speeds of all points after the step; a rod of no finite speed, or -1."""
     for i in range(rods.shape[0]):
         c, w = kicked(effects, rods, before, i, dt)
         speed[i] = size(c) + effects.half_length * size(w)
@@ -200,7 +198,7 @@ def fastest_rod(effects, rods, before, speed, dt):
 
 @kernel
 def move(effects, rods, before, i, dt):
-    """Kick and drift of rod i."""
+    """Kick and drift rod i by one step."""
     up, dims = effects.up, dimensions(effects.up)
     c, w = kicked(effects, rods, before, i, dt)
     put(rods, i, 0, along(place_of(up, rods, i), dt, c))
@@ -211,15 +209,17 @@ def move(effects, rods, before, i, dt):
 
 @kernel(inline=False)
 def march(effects, state, watchers, clock, steps):
-    """Up to `steps` steps of all rods; steps made, why it ended, where.
+    """Make up to `steps` steps of all rods; return the steps made, the stop code, and the place.
 
     Parameters
     ----------
     effects : Effects
     state : State, which is changed
-    watchers : Watchers, to which is added
+    watchers : Watchers, whose arrays are added to
     clock : Clock of the first step
     steps : int
+
+    The place is the number of a rod, or of an entry of the list of pairs.
     """
     rods, before, total, ledger = state.rods, state.before, state.scratch.total, watchers.ledger
     up, dims, inertia, dt = effects.up, dimensions(effects.up), inertia_of(effects), clock.dt
@@ -250,7 +250,7 @@ def march(effects, state, watchers, clock, steps):
         fastest, unfit = fastest_rod(effects, rods, before, state.scratch.speed, dt)
         if unfit >= 0:
             return n, NOT_FINITE, unfit
-        for i in range(rods.shape[0]):  # none before all are found fit
+        for i in range(rods.shape[0]):  # no rod moves unless all have finite speeds
             move(effects, rods, before, i, dt)
         if too_fast(effects.between, state.listed, fastest * dt):
             return n + 1, TOO_FAST, 0
@@ -259,13 +259,13 @@ def march(effects, state, watchers, clock, steps):
 
 @kernel
 def spring(law, overlap):
-    """Energy of a contact."""
+    """Elastic energy of a contact, 0.4 k_n delta^(5/2), in m g d."""
     return 0.4 * law.stiffness * overlap * overlap * sqrt(overlap) if overlap > 0.0 else 0.0
 
 
 @kernel
 def of_plate(law, upper, half, place, director, plate):
-    """Energy of the caps in the plate."""
+    """Elastic energy of the caps of a rod in the plate; `plate`: its height, d."""
     if law is None:
         return 0.0
     total = spring(law, plate + 0.5 - height(place) + half * height(director))
@@ -276,7 +276,7 @@ def of_plate(law, upper, half, place, director, plate):
 
 @kernel
 def of_wall(wall, upper, half, place, director, side):
-    """Energy in a wall; `side`: 1 the convex one, -1 the concave one."""
+    """Elastic energy of a rod in a wall; `side`: 1 the convex wall, -1 the concave one."""
     total = 0.0
     if wall is None:
         return total
@@ -295,7 +295,7 @@ def of_wall(wall, upper, half, place, director, side):
 
 @kernel
 def of_crossing(law, half, apart, a, b):
-    """Energy of two rods between their ends, in space."""
+    """Elastic energy of two rods that touch between their ends, in space."""
     if len(a) == 2:
         return 0.0
     near, inside, _ = between_ends(apart, a, b, half)
@@ -309,7 +309,7 @@ def of_crossing(law, half, apart, a, b):
 
 @kernel
 def of_pair(law, upper, half, apart, a, b):
-    """Energy of two rods in each other."""
+    """Elastic energy of all contacts of two rods."""
     total = spring(law, 1.0 - sqrt(near_end(apart, a, b, half, 0).square))
     if upper is None:
         return total
@@ -324,7 +324,7 @@ def of_pair(law, upper, half, apart, a, b):
 
 @kernel
 def of_pairs(between, effects, rods, listed, dt):
-    """Energy of all listed pairs half a step ago."""
+    """Elastic energy of all listed pairs half a step ago."""
     total = 0.0
     if between is None:
         return total
@@ -340,7 +340,7 @@ def of_pairs(between, effects, rods, listed, dt):
 
 @kernel
 def earlier(up, rods, i, dt):
-    """Place and director half a step ago."""
+    """Centre and director of rod i half a step ago."""
     back = -dt / 2
     director = rotated(director_of(up, rods, i), turn_of(up, rods, i), back)
     return along(place_of(up, rods, i), back, velocity_of(up, rods, i)), director
@@ -348,7 +348,7 @@ def earlier(up, rods, i, dt):
 
 @kernel
 def spinning(rolling, w, director):
-    """Twice the energy of a rotation, over the moment of inertia."""
+    """Twice the rotational energy over I: w . w + rolling (w . director)^2."""
     if rolling is None:
         return dot(w, w)
     return dot(w, w) + rolling * dot(w, director) ** 2
@@ -356,7 +356,7 @@ def spinning(rolling, w, director):
 
 @kernel(inline=False)
 def energy(effects, rods, listed, plate, dt):
-    """Kinetic, potential and elastic energy half a step ago; `plate`: its height then."""
+    """Kinetic, potential and elastic energy half a step ago, m g d; `plate`: its height then, d."""
     half, upper, up = effects.half_length, effects.upper, effects.up
     total = of_pairs(effects.between, effects, rods, listed, dt)
     for i in range(rods.shape[0]):

@@ -1,11 +1,11 @@
-"""Rods under way: what acts on them, their state, and the motion of their points, compiled.
+"""State of moving rods, the effects on them, and the motion of their points, compiled.
 
 Rods are in a vertical plane, (x, z), or in space, (x, y, z): `Effects.up` has two numbers or three.
 A row of `State.rods` holds four vectors: centre and director at a step, velocity and turn half a
 step before. The turn is w = (angular momentum)/I, about which the director turns. Without rolling
 it is across the director and is the angular velocity itself; with it, a free rod is a symmetric
 top, whose director turns about w all the same, while its surface also rolls by `rolling` (w .
-director). In the plane it is one number, positive as it turns z towards x.
+director). In the plane the turn is one number, positive as it turns z towards x.
 """
 
 from typing import Any, NamedTuple
@@ -19,14 +19,14 @@ from .vectors import IN_PLANE, along, axial, nothing, put, raised, vector
 
 
 class Motion(NamedTuple):
-    """One period of the plate's height and velocity, step by step."""
+    """Height and velocity of the plate at each step of one period."""
 
     height: Any  # d
     velocity: Any  # sqrt(g d)
 
 
 class Wall(NamedTuple):
-    """A vertical cylinder about the axis x = y = 0."""
+    """Wall of an annulus: a vertical cylinder about the axis x = y = 0."""
 
     radius: float  # d
     normal: Normal
@@ -34,7 +34,7 @@ class Wall(NamedTuple):
 
 
 class Effects(NamedTuple):
-    """All that acts on rods; `None`: absent."""
+    """All effects on the rods, as the kernels take them; `None`: absent."""
 
     half_length: float  # d, from centre to centre of a cap, (l - 1)/2
     lightness: float  # 1/d^2: 1/k^2, k the gyration radius
@@ -54,7 +54,7 @@ class Effects(NamedTuple):
 
 
 class Kept(NamedTuple):
-    """What a contact keeps of a step for the next one."""
+    """Forces and spring that a contact keeps from one step for the next."""
 
     force: float  # F_n, m g
     rub: tuple  # F_t, m g: across the normal
@@ -62,17 +62,17 @@ class Kept(NamedTuple):
 
 
 class Scratch(NamedTuple):
-    """Arrays that hold nothing from one step to the next."""
+    """Work arrays, whose contents do not last from one step to the next."""
 
     total: np.ndarray  # (rods, 3), in space 6: force and torque of a step, m g and m g d
     speed: np.ndarray  # (rods,)
-    place: np.ndarray | None  # (rods,): for a list of pairs
-    found: np.ndarray | None  # (capacity, 3): the same
+    place: np.ndarray | None  # (rods,): to build a list of pairs
+    found: np.ndarray | None  # (capacity, 3): pairs found for that list
     batch: Any  # `batch.Batch`; None where no rods or walls are met
 
 
 class State(NamedTuple):
-    """Rods under way; `None` for what they do without.
+    """State of moving rods; an array is `None` if no effect needs it.
 
     A part across a normal has one number in the plane, and three in space.
     """
@@ -80,13 +80,13 @@ class State(NamedTuple):
     rods: np.ndarray  # (rods, 7), in space 12; d, sqrt(g d), sqrt(g/d)
     before: np.ndarray  # (rods, 3), in space 6: accelerations of the step before, in g and g/d
     forces: np.ndarray | None  # (rods, slots, 1 + part), m g: F_n and F_t of plate and walls
-    springs: np.ndarray | None  # (rods, slots, part), d: theirs
+    springs: np.ndarray | None  # (rods, slots, part), d: tangential springs of plate and walls
     listed: Listed | None
     scratch: Scratch
 
 
 class Clock(NamedTuple):
-    """Number of a step, and its size."""
+    """Number of a step, and the step size."""
 
     step: int
     dt: float  # sqrt(d/g)
@@ -94,49 +94,53 @@ class Clock(NamedTuple):
 
 @kernel
 def dimensions(up):
-    """Numbers of a vector."""
+    """Number of components of a vector: 2 in the plane, 3 in space."""
     return 2 if len(up) == 2 else 3
 
 
 @kernel
 def place_of(up, rods, i):
-    """Centre of a rod."""
+    """Centre of rod i, d."""
     return vector(rods, i, 0, up)
 
 
 @kernel
 def director_of(up, rods, i):
-    """Unit vector along a rod's axis."""
+    """Unit vector along the axis of rod i."""
     return vector(rods, i, dimensions(up), up)
 
 
 @kernel
 def velocity_of(up, rods, i):
-    """Velocity of a rod half a step before."""
+    """Velocity of rod i half a step before, sqrt(g d)."""
     return vector(rods, i, 2 * dimensions(up), up)
 
 
 @kernel
 def turn_of(up, rods, i):
-    """Its turn then."""
+    """Turn w of rod i half a step before, sqrt(g/d)."""
     return axial(rods, i, 3 * dimensions(up), up)
 
 
 @kernel
 def inertia_of(effects):
-    """How the rods turn."""
+    """`Inertia` of the rods."""
     return Inertia(effects.lightness, effects.rolling)
 
 
 @kernel
 def point(effects, velocity, turn, director, arm):
-    """Velocity of a point of a rod; of rates of both, its acceleration but for that by its path."""
+    """Velocity of a point of a rod, at an arm from the centre.
+
+    Given accelerations in place of velocity and turn, it is the acceleration of the point without
+    the part by the motion of the arm.
+    """
     return along(velocity, 1.0, swung(effects.rolling, turn, director, arm))
 
 
 @kernel
 def weight(gravity, like):
-    """Force of gravity on a rod, of as many numbers as `like`."""
+    """Force of gravity on a rod, m g, with as many components as `like`; zero without gravity."""
     if gravity is None:
         return nothing(like)
     if len(like) == 3:
@@ -146,13 +150,13 @@ def weight(gravity, like):
 
 @kernel
 def field(effects, velocity):
-    """Force on a rod by all but contacts."""
+    """Force on a rod by all effects but contacts, m g."""
     return weight(effects.gravity, velocity)
 
 
 @kernel
 def kept_of(up, forces, springs, row, slot):
-    """What is kept of a contact; arrays that are `None` keep nothing."""
+    """`Kept` of a contact from its row and slot; zero where an array is `None`."""
     force = 0.0 if forces is None else forces[row, slot, 0]
     rub, spring = kept_part(up, forces, row, slot, 1), kept_part(up, springs, row, slot, 0)
     return Kept(force, rub, spring)
@@ -160,7 +164,7 @@ def kept_of(up, forces, springs, row, slot):
 
 @kernel
 def kept_part(up, array, row, slot, first):
-    """Part across the normal that is kept."""
+    """Tangential part that an array keeps of a contact; zero without the array."""
     if array is None:
         return nothing_across(up)
     return axial(array[row], slot, first, up)
@@ -168,7 +172,7 @@ def kept_part(up, array, row, slot, first):
 
 @kernel
 def nothing_across(up):
-    """No part across a normal."""
+    """Zero tangential part: one number in the plane, three in space."""
     if len(up) == 2:
         return (0.0,)
     return 0.0, 0.0, 0.0
@@ -176,13 +180,13 @@ def nothing_across(up):
 
 @kernel
 def nothing_kept(up):
-    """Of a contact that is open."""
+    """`Kept` of an open contact: zeros."""
     return Kept(0.0, nothing_across(up), nothing_across(up))
 
 
 @kernel
 def keep(forces, springs, row, slot, kept):
-    """Keep it for the next step, as far as there are arrays."""
+    """Keep force and spring of a contact for the next step, in arrays that are not `None`."""
     if forces is not None:
         forces[row, slot, 0] = kept.force
         put(forces[row], slot, 1, kept.rub)
@@ -192,5 +196,5 @@ def keep(forces, springs, row, slot, kept):
 
 @kernel
 def forget(up, forces, springs, row, slot):
-    """Clear what is kept of a contact that is open."""
+    """Clear the kept force and spring of a contact that is open."""
     keep(forces, springs, row, slot, nothing_kept(up))

@@ -1,7 +1,8 @@
-"""Vectors as tuples, compiled: of the plane (x, z), of space, and of one number.
+"""Vectors as tuples, compiled: with two components in the plane (x, z), three in space, or one.
 
 Numba compiles a function for each length of its tuples and drops the branches of other lengths.
-In the plane a torque and an angular velocity have one component, positive as it turns z towards x.
+In the plane a torque, an angular velocity and a tangential part have one component; torque and
+angular velocity are positive as they turn z towards x.
 """
 
 from math import cos, sin, sqrt
@@ -14,7 +15,7 @@ IN_PLANE, IN_SPACE = (0.0, 1.0), (0.0, 0.0, 1.0)  # unit vectors upwards
 
 @kernel
 def times(s, a):
-    """s a."""
+    """Product s a of a number and a vector."""
     if len(a) == 1:
         return (s * a[0],)
     if len(a) == 2:
@@ -24,7 +25,7 @@ def times(s, a):
 
 @kernel
 def along(a, s, b):
-    """a + s b."""
+    """Sum a + s b of two vectors, with a number s."""
     if len(a) == 1:
         return (a[0] + s * b[0],)
     if len(a) == 2:
@@ -34,7 +35,7 @@ def along(a, s, b):
 
 @kernel
 def dot(a, b):
-    """Scalar product."""
+    """Scalar product a . b."""
     if len(a) == 1:
         return a[0] * b[0]
     if len(a) == 2:
@@ -44,13 +45,13 @@ def dot(a, b):
 
 @kernel
 def cross(a, b):
-    """Vector product, in space."""
+    """Vector product a x b, in space."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 @kernel
 def torque(arm, force):
-    """Torque of a force at an arm."""
+    """Torque of a force at an arm: one number, a_z f_x - a_x f_z, in the plane; a x f in space."""
     if len(arm) == 2:
         return (arm[1] * force[0] - arm[0] * force[1],)
     return cross(arm, force)
@@ -58,7 +59,7 @@ def torque(arm, force):
 
 @kernel
 def swing(omega, arm):
-    """Velocity of the end of an arm that turns with angular velocity omega."""
+    """Velocity of the end of an arm that turns: omega (a_z, -a_x), or omega x a in space."""
     if len(arm) == 2:
         return omega[0] * arm[1], -omega[0] * arm[0]
     return cross(omega, arm)
@@ -66,7 +67,7 @@ def swing(omega, arm):
 
 @kernel
 def across(v, normal):
-    """Part of a vector across a normal: in the plane one number, along (n_z, -n_x)."""
+    """Tangential part of a vector: in the plane one number, along (n_z, -n_x); n: unit normal."""
     if len(v) == 2:
         return (v[0] * normal[1] - v[1] * normal[0],)
     return along(v, -dot(v, normal), normal)
@@ -74,7 +75,7 @@ def across(v, normal):
 
 @kernel
 def spread(tangent, normal):
-    """The vector of a part across a normal."""
+    """Vector of a tangential part, in the plane of one number along (n_z, -n_x)."""
     if len(tangent) == 1:
         return tangent[0] * normal[1], -tangent[0] * normal[0]
     return tangent
@@ -82,7 +83,7 @@ def spread(tangent, normal):
 
 @kernel
 def height(v):
-    """Component upwards."""
+    """Vertical component of a vector."""
     if len(v) == 2:
         return v[1]
     return v[2]
@@ -90,7 +91,7 @@ def height(v):
 
 @kernel
 def raised(v, height):
-    """A vector, so much higher."""
+    """Vector with `height` added to its vertical component."""
     if len(v) == 2:
         return v[0], v[1] + height
     return v[0], v[1], v[2] + height
@@ -98,13 +99,13 @@ def raised(v, height):
 
 @kernel
 def upward(v):
-    """The unit vector upwards, of as many numbers as v."""
+    """Unit vector upwards, with as many components as v."""
     return raised(nothing(v), 1.0)
 
 
 @kernel
 def nothing(v):
-    """Zero, of as many numbers as v."""
+    """Zero vector with as many components as v."""
     if len(v) == 1:
         return (0.0,)
     if len(v) == 2:
@@ -114,7 +115,7 @@ def nothing(v):
 
 @kernel
 def turned(director, angle):
-    """A direction in the plane after a small turn (error below angle^7/5000), of length one."""
+    """Director (sin, cos) after a small turn, kept at length one; error below angle^7/5000."""
     sine, cosine = director
     length = 1.5 - 0.5 * (sine * sine + cosine * cosine)
     q = angle * angle
@@ -125,7 +126,7 @@ def turned(director, angle):
 
 @kernel
 def rotated(director, turn, dt):
-    """A director after it has turned for a time dt, kept at length one."""
+    """Director after turning at the rate `turn` for a time dt, kept at length one."""
     if len(director) == 2:
         return turned(director, turn[0] * dt)
     square = dot(turn, turn) * dt * dt
@@ -143,7 +144,7 @@ def rotated(director, turn, dt):
 
 @kernel
 def vector(array, i, first, up):
-    """The vector of row i that begins at a column; as many numbers as of `up`."""
+    """Vector in row i of an array from column `first` on; as many components as `up`."""
     if len(up) == 2:
         return array[i, first], array[i, first + 1]
     return array[i, first], array[i, first + 1], array[i, first + 2]
@@ -151,7 +152,7 @@ def vector(array, i, first, up):
 
 @kernel
 def axial(array, i, first, up):
-    """The same of an angular velocity, a torque or a part across a normal."""
+    """Torque, angular velocity or tangential part in row i from column `first`: 1 or 3 numbers."""
     if len(up) == 2:
         return (array[i, first],)
     return array[i, first], array[i, first + 1], array[i, first + 2]
@@ -159,7 +160,7 @@ def axial(array, i, first, up):
 
 @kernel
 def add(array, i, first, v):
-    """Add a vector to row i."""
+    """Add a vector to row i of an array, from column `first` on."""
     array[i, first] += v[0]
     if len(v) > 1:
         array[i, first + 1] += v[1]
@@ -169,7 +170,7 @@ def add(array, i, first, v):
 
 @kernel
 def put(array, i, first, v):
-    """Put a vector into row i."""
+    """Store a vector in row i of an array, from column `first` on."""
     array[i, first] = v[0]
     if len(v) > 1:
         array[i, first + 1] = v[1]
