@@ -1,15 +1,15 @@
 """Closest points of rods, and which rods may touch, compiled.
 
 A rod's axis is the segment of all centre + s director, |s| <= half. Each of the four ends of two
-rods, 0 and 1 the first one's, has a closest point on the other axis, and is a contact of its own.
-Rods that cross in space are closest between their ends.
+rods, 0 and 1 of the first, 2 and 3 of the second, has a closest point on the other axis, and is a
+contact of its own. Rods that cross in space are closest between their ends.
 
-A list that misses none holds every pair whose axes come closer than 1 + SKIN; it is built again
-before any point of an axis has moved by half of SKIN. A bound on that, the sum of the largest
-speeds, saves looking at every rod in every step. Rods are sorted along the box, in space by azimuth
-around the annulus. A periodic box repeats the closest points, not the centres: an entry is a pair
-with the image of its second rod, so that two rods of a short box may stand in the list several
-times, and a rod beside its own image.
+The list of pairs holds every pair whose axes are closer than 1 + SKIN. It is built again before any
+point of an axis has moved by half of SKIN, so that it misses no pair. A bound on that motion, the
+sum of the largest speeds, saves looking at every rod in every step. Rods are sorted along the box,
+in space by azimuth around the annulus. A periodic box repeats the closest points, not the centres:
+an entry is a pair with the image of its second rod, so that two rods of a short box may stand in
+the list several times, and a rod beside its own image.
 
 What cannot touch is not looked at: a pair and an end of a touching pair sleep until rods may have
 travelled half of their gap.
@@ -28,17 +28,17 @@ CHORD = 0.4142  # less than sqrt(2) - 1
 
 
 class Near(NamedTuple):
-    """A place on the axis of each of two rods."""
+    """Point on each axis of two rods, and the distance of the points."""
 
     s: float  # d; from the first centre
     t: float  # d; from the second
     gap: tuple  # d; from the second place to the first
-    square: float  # d^2; of that distance
+    square: float  # d^2; of the gap
 
 
 @kernel
 def at_end(apart, a, b, half, end):
-    """Places s, t on both axes of the contact at one of four ends.
+    """Points s, t on both axes of the contact at one of the four ends of two rods.
 
     `apart` leads from the second centre to the first; `a`, `b` are the directors.
     """
@@ -50,13 +50,13 @@ def at_end(apart, a, b, half, end):
 
 @kernel
 def gap_vector(apart, a, b, s, t):
-    """From a place on the second axis to one on the first."""
+    """Vector to the point s on the first axis from the point t on the second."""
     return along(along(apart, s, a), -t, b)
 
 
 @kernel
 def near_end(apart, a, b, half, end):
-    """`Near` of the contact at one of four ends."""
+    """`Near` of the contact at one of the four ends of two rods."""
     s, t = at_end(apart, a, b, half, end)
     r = gap_vector(apart, a, b, s, t)
     return Near(s, t, r, dot(r, r))
@@ -64,10 +64,11 @@ def near_end(apart, a, b, half, end):
 
 @kernel
 def between_ends(apart, a, b, half):
-    """`Near` of the closest points of both lines, and whether they lie inside of both rods.
+    """`Near` of the closest points of both lines, whether both are inside the rods, the skewness.
 
-    Third, the squared sine between the lines. The first place is the nearest to the second, however
-    far that is off where lines are nearly parallel: their distance is hardly wrong.
+    The skewness is the squared sine of the angle between the lines. Where lines are nearly parallel
+    the second point may be far off; the first is the nearest to it, so that their distance is
+    hardly wrong.
     """
     across = dot(a, b)
     skew = 1.0 - across * across
@@ -82,7 +83,7 @@ def between_ends(apart, a, b, half):
 
 @kernel
 def nearest(apart, a, b, half):
-    """Squared distance of two axes, which do not cross in the plane."""
+    """Squared distance of two axes, d^2; in the plane they do not cross."""
     least = np.inf
     for end in range(4):
         least = min(least, near_end(apart, a, b, half, end).square)
@@ -95,9 +96,9 @@ def nearest(apart, a, b, half):
 
 @kernel
 def clearance(apart, a, b, half):
-    """How far beyond 1 two axes are apart: a quick lower bound, below zero where there is none.
+    """Quick lower bound of the distance of two axes beyond 1, d; negative where there is no bound.
 
-    In the plane all of the second axis is so far off the first one's line.
+    In the plane it is the distance of the second axis from the first one's line.
     """
     if len(a) == 2:
         off = abs(apart[0] * a[1] - apart[1] * a[0])
@@ -108,15 +109,15 @@ def clearance(apart, a, b, half):
 
 @kernel
 def open_at_least(square):
-    """A lower bound of a distance beyond 1, given its square >= 1: a chord of the root."""
+    """Lower bound of a distance beyond 1, given its square >= 1: a chord of the square root."""
     return CHORD * (min(square, 2.0) - 1.0)
 
 
-PAIR = 5  # column of `Listed.asleep`, after those of the four ends and of what is between
+PAIR = 5  # column of the pair in `Listed.asleep`, after the four ends and the contact between them
 
 
 class Listed(NamedTuple):
-    """The list in use stands at `turn[0]` along the first axis, the one before it at the other.
+    """List of pairs that may touch; of two copies `turn[0]` is in use, the other the last one.
 
     Entries are sorted by first rod; those of rod i stand in `start[i]:start[i + 1]`. A pair has a
     contact at each of four ends, and in space one between them.
@@ -125,10 +126,10 @@ class Listed(NamedTuple):
     turn: np.ndarray  # (1,): 0 or 1
     travelled: np.ndarray  # (1,), d: how far any rod may have moved since the list was built
     start: np.ndarray  # (2, rods + 1)
-    # (capacity, 6), d: until rods may have travelled so far, a contact or the pair does not touch
+    # (capacity, 6), d: a contact or the pair does not touch until rods may have travelled this far
     asleep: np.ndarray
-    # (2, capacity, 4): first rod, second >= first, image of the second: its x plus so many
-    # periods, whether they touch
+    # (2, capacity, 4): first rod; second rod >= first; image of the second, in periods added to
+    # its x; what of them touches
     index: np.ndarray  # type: ignore[assignment]
     springs: np.ndarray | None  # (2, capacity, contacts, part), d: part across the normal, 1 or 3
     forces: np.ndarray  # (2, capacity, contacts, 1 + part), m g: F_n and F_t a step before
@@ -137,7 +138,7 @@ class Listed(NamedTuple):
 
 
 def nothing_listed(rods: int, capacity: int, springs: bool, space: bool) -> Listed:
-    """A list that is out of date."""
+    """Create a list of pairs that is empty and out of date."""
     contacts, part, dimensions = (5, 3, 3) if space else (4, 1, 2)
     return Listed(
         np.zeros(1, np.int64),
@@ -147,14 +148,14 @@ def nothing_listed(rods: int, capacity: int, springs: bool, space: bool) -> List
         np.zeros((2, capacity, 4), np.int64),
         np.zeros((2, capacity, contacts, part)) if springs else None,
         np.zeros((2, capacity, contacts, 1 + part)),
-        np.full((rods, 2 * dimensions), 1e300),  # far away; inf times no length would be nan
+        np.full((rods, 2 * dimensions), 1e300),  # far away; inf times a zero length would be nan
         np.arange(rods),
     )
 
 
 @kernel(inline=False)
 def sort_along(order, place):
-    """Sort by place; linear where little has changed since the last time."""
+    """Sort the rods in `order` by `place`; linear if little has changed since the last time."""
     for p in range(1, order.size):
         i = order[p]
         key, q = place[i], p - 1
@@ -166,19 +167,19 @@ def sort_along(order, place):
 
 @kernel
 def wrapped(x, period):
-    """Place in the box."""
+    """Place x in a box of length `period`, 0 to `period`; x itself in an open box."""
     return x if period is None else x - np.floor(x / period) * period
 
 
 @kernel
 def image(distance, period):
-    """How many periods a distance between a rod and an image holds beyond that of the rods."""
+    """Whole number of periods nearest to a distance along the box; 0 in an open box."""
     return 0 if period is None else int(np.floor(distance / period + 0.5))
 
 
 @kernel
 def place_along(centre, period):
-    """What rods are sorted by: the place in the box, in space the azimuth."""
+    """Coordinate by which rods are sorted: the place in the box, in space the azimuth."""
     if len(centre) == 2:
         return wrapped(centre[0], period)
     return atan2(centre[1], centre[0])
@@ -186,7 +187,7 @@ def place_along(centre, period):
 
 @kernel
 def around(up, period):
-    """Distance after which the rods come again."""
+    """Period of the sorting coordinate: 2 pi in space, length of the box in the plane, or inf."""
     if len(up) == 3:
         return 2.0 * pi
     if period is None:
@@ -196,7 +197,7 @@ def around(up, period):
 
 @kernel
 def window(up, rods, reach):
-    """So far apart in that order are rods whose centres are more than `reach` apart."""
+    """Largest difference of sorting coordinates of rods with centres closer than `reach`."""
     if len(up) == 2:
         return reach
     least = np.inf
@@ -209,7 +210,10 @@ def window(up, rods, reach):
 
 @kernel
 def apart_by(centre, other, gap, period):
-    """From the second centre to the first, and how many periods the second's image is away."""
+    """Vector from the second centre or its image to the first, and that image in periods.
+
+    `gap`: difference of the sorting coordinates.
+    """
     apart = along(centre, -1.0, other)
     if len(centre) == 2:
         return (-gap, apart[1]), image(gap + apart[0], period)
@@ -218,7 +222,10 @@ def apart_by(centre, other, gap, period):
 
 @kernel(inline=False)
 def pair_up(up, rods, half, period, order, place, found):
-    """All pairs of axes closer than 1 + SKIN, into `found`; their number, -1 if there are more."""
+    """Find all pairs of axes closer than 1 + SKIN; return how many, or -1 if too many.
+
+    `found` is filled with them: both rods, and the image of the second.
+    """
     n, count, box, reach = rods.shape[0], 0, around(up, period), 2 * half + 1 + SKIN
     for i in range(n):
         place[i] = place_along(vector(rods, i, 0, up), period)
@@ -252,7 +259,7 @@ def pair_up(up, rods, half, period, order, place, found):
 
 @kernel
 def carry(kept, old, before, new, k):
-    """Take over what an entry kept; nothing if there was none."""
+    """Copy forces or springs of the old entry `before` to the new entry k; zeros if it is -1."""
     if kept is not None:
         for c in range(kept.shape[2]):
             for d in range(kept.shape[3]):
@@ -261,7 +268,7 @@ def carry(kept, old, before, new, k):
 
 @kernel(inline=False)
 def listed_anew(n, listed, found, count):
-    """Renew the list of n rods by the pairs `found`, with what its entries keep."""
+    """Rebuild the list of n rods from the pairs `found`; entries keep their forces and springs."""
     old = listed.turn[0]
     new, start, index = 1 - old, listed.start, listed.index
     for i in range(n + 1):
@@ -290,7 +297,7 @@ def listed_anew(n, listed, found, count):
 
 @kernel(inline=False)
 def farthest(rods, built, half):
-    """How far any point of an axis has moved since the list was built, or somewhat more."""
+    """Upper bound of how far any point of an axis has moved since the list was built, d."""
     far, n = 0.0, built.shape[1] // 2
     for i in range(rods.shape[0]):
         moved, turned = 0.0, 0.0
@@ -303,7 +310,7 @@ def farthest(rods, built, half):
 
 @kernel(inline=False)
 def renewed(up, rods, half, period, listed, place, found):
-    """Renew the list if it may miss a pair; whether it holds all. All its pairs are awake then.
+    """Rebuild the list if it may miss a pair, and wake all pairs; return whether it holds all.
 
     `place`, (rods,), and `found`, (capacity, 3), are scratch.
     """
@@ -322,13 +329,13 @@ def renewed(up, rods, half, period, listed, place, found):
 
 @kernel
 def outdated(listed):
-    """Whether the list may miss a pair, unless rods have moved less than they might have."""
+    """Whether rods may have moved so far that the list of pairs misses one."""
     return listed.travelled[0] >= 0.5 * SKIN
 
 
 @kernel
 def too_fast(between, listed, distance):
-    """Note how far rods have moved in a step; whether two may have passed each other unseen.
+    """Add how far rods may have moved in a step; return whether two may have passed unseen.
 
     An end is stopped within DEEP on either side of an axis; two rods that move half of DEEP each
     do not leap over that.

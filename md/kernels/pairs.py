@@ -52,33 +52,33 @@ from .vectors import add, along, axial, dot, put, times, torque, vector
 BELOW_ONE = 1.0 - 2.0**-53  # next to 1
 NEARER = 0.1  # d; by so much nearer than all ends, a contact between them counts in full
 SHARED = (1 + NEARER) ** 2 - 1  # squared lever beyond which no end shares a contact between ends
-TOUCHED = 3  # column of `Listed.index`; bits:
-ENDS, BETWEEN = 1, 2  # what of two rods touches
+TOUCHED = 3  # column of `Listed.index`: sum of these two
+ENDS, BETWEEN = 1, 2  # two rods touch at their ends, or between them
 
 
 class Pair(NamedTuple):
-    """Two rods."""
+    """Two rods of an entry of the list, and their relative place."""
 
-    i: np.uint64
-    j: np.uint64
+    i: np.uint64  # first rod
+    j: np.uint64  # second rod
     entry: np.uint64  # of the list
     apart: tuple  # d; from the second centre to the first
-    a: tuple  # directors
-    b: tuple
+    a: tuple  # director of the first rod
+    b: tuple  # director of the second rod
 
 
 class Joint(NamedTuple):
-    """An end of a rod near an end of another."""
+    """Shares of the two contacts where an end of one rod meets an end of another."""
 
-    force: float  # in units of the stiffness; of a contact at the distance of the two ends
-    part: float  # of it that is taken off the first contact; the rest, off the second
-    first: float  # share of the contact that remains to the first rod's end
-    second: float  # to the second's
+    force: float  # elastic force over the stiffness, of a contact at the distance of the two ends
+    part: float  # part of it that is taken off the first contact; the rest, off the second
+    first: float  # share that remains of the contact at the first rod's end
+    second: float  # share that remains of the contact at the second rod's end
 
 
 @kernel
 def pair_of(effects, rods, index, k):
-    """The pair of an entry of the list."""
+    """`Pair` of entry k of the list."""
     i, j, up = np.uint64(index[k, 0]), np.uint64(index[k, 1]), effects.up  # never negative
     apart = along(place_of(up, rods, i), -1.0, place_of(up, rods, j))
     apart = seen_through(effects.period, apart, index[k, 2])
@@ -87,7 +87,10 @@ def pair_of(effects, rods, index, k):
 
 @kernel
 def seen_through(period, apart, image):
-    """From an image of the second rod, so many periods on."""
+    """Vector from the second rod to the first, if that image of the second is taken.
+
+    `image`: periods by which the image lies further along x.
+    """
     if period is None:
         return apart
     return apart[0] - period * image, apart[1]
@@ -95,13 +98,13 @@ def seen_through(period, apart, image):
 
 @kernel
 def kept_in(array, now):
-    """What is kept of the pairs of the list in use."""
+    """Forces or springs of the list in use, from an array for both lists; None without an array."""
     return None if array is None else array[now]
 
 
 @kernel
 def opened(up, listed, k, slot):
-    """Clear what is kept of a contact that is open."""
+    """Clear the kept force and spring of a contact of entry k that is open."""
     now = listed.turn[0]
     forget(up, listed.forces[now], kept_in(listed.springs, now), k, slot)
 
@@ -118,7 +121,7 @@ def moving(effects, state, i, director, arm):
 
 @kernel
 def collect(effects, state, n, pair, near, share, slot):
-    """Put a contact of two rods at place n of the batch; the number of contacts then."""
+    """Store a contact of two rods at place n of the batch; return the contact count."""
     i, j, entry, _, a, b = pair
     s, t, gap, _ = near
     p, q = along(times(s, a), -0.5, gap), along(times(t, b), 0.5, gap)
@@ -133,7 +136,7 @@ def collect(effects, state, n, pair, near, share, slot):
 
 @kernel
 def act(effects, state, ledger, count, dt):
-    """Add what the contacts that are collected do; none is left."""
+    """Compute the collected contacts and add their forces to rods; return 0, as none is left."""
     listed, total, batch = state.listed, state.scratch.total, state.scratch.batch
     kept = listed.forces[listed.turn[0]], kept_in(listed.springs, listed.turn[0])
     columns = PAIR_NORMAL, PAIR_FRICTION
@@ -144,7 +147,7 @@ def act(effects, state, ledger, count, dt):
 
 @kernel
 def repel(total, pair, s, t, gap, force):
-    """Add a force that drives a place on one axis and a place on the other apart."""
+    """Add a force that drives points of two axes apart, or together if it is < 0."""
     f = times(force / sqrt(dot(gap, gap)), gap)
     pull(total, pair.i, times(s, pair.a), f)
     pull(total, pair.j, times(t, pair.b), times(-1.0, f))
@@ -152,7 +155,7 @@ def repel(total, pair, s, t, gap, force):
 
 @kernel
 def pull(total, i, arm, force):
-    """Add a force at an arm to rod i."""
+    """Add a force at an arm, and its torque, to rod i."""
     add(total, i, 0, force)
     add(total, i, len(force), torque(arm, force))
 
@@ -162,7 +165,7 @@ def pull(total, i, arm, force):
 
 @kernel
 def joint(square, first, second):
-    """What two ends with the squared distance `square` < 1 share.
+    """`Joint` of two ends with the squared distance `square` < 1, d^2.
 
     `first`, `second`: how far the foot of the first rod's end lies from the other end along the
     second axis, and the reverse, in d.
@@ -183,7 +186,7 @@ def joint(square, first, second):
 
 @kernel
 def one_spring(springs, now, k, end, other, first, second, up):
-    """Keep one spring at the contacts of two ends where one has no foot of its own."""
+    """Give both contacts of two ends that meet one spring, where one has no foot of its own."""
     if springs is None or (first > 0.0 and second > 0.0):
         return
     own = springs[now, k]
@@ -198,9 +201,9 @@ def one_spring(springs, now, k, end, other, first, second, up):
 
 @kernel
 def joined(effects, state, pair, near, end):
-    """Shares of two ends that meet in their place; adds the forces that keep energy.
+    """Shares of the contacts of two ends that meet, and the second end; add their joint forces.
 
-    `end`: of the first rod. Third, which end of the second rod.
+    These forces keep energy. `end`: of the first rod, with its `near`; the second end is 2 or 3.
     """
     half, total, listed = effects.half_length, state.scratch.total, state.listed
     s, foot, gap, _ = near
@@ -222,7 +225,10 @@ def joined(effects, state, pair, near, end):
 
 @kernel
 def meets(upper, end, near, half):
-    """Whether an end of the first rod, near its foot on the second, touches the second's end."""
+    """Whether an end of the first rod overlaps with the end of the second that is next to its foot.
+
+    `near`: of the contact at this end.
+    """
     if upper is None:
         return False
     beyond = half - abs(near.t)
@@ -231,9 +237,9 @@ def meets(upper, end, near, half):
 
 @kernel(inline=False)
 def joined_ends(effects, state, pair, first, n):
-    """Collect the ends from the `first` on, which meets another one.
+    """Collect the contacts at the ends from `first` on, which meets an end of the other rod.
 
-    The number of contacts then, and whether one is too deep.
+    Returns the number of contacts, and whether one is too deep.
     """
     half, a, b = effects.half_length, pair.a, pair.b
     lower = upper = 1.0  # shares left to the ends of the second rod
@@ -260,7 +266,7 @@ def joined_ends(effects, state, pair, first, n):
 
 @kernel
 def rise(x):
-    """From 0 at 0 to 1 at 1 without a kink, and its slope."""
+    """Smooth step from 0 at x = 0 to 1 at x = 1, x^2 (3 - 2 x), and its slope."""
     if x <= 0.0:
         return 0.0, 0.0
     if x >= 1.0:
@@ -270,15 +276,16 @@ def rise(x):
 
 @kernel
 def nearer(end, distance):
-    """How much nearer than an end a contact is: its weight, and the slope."""
+    """Weight of a contact by how much nearer than an end it is, and the slope of the weight."""
     return rise((sqrt(end.square) - distance) * (1 / NEARER))
 
 
 @kernel
 def shared(law, total, pair, near, half):
-    """Weight of a contact near an end, or of nearly parallel rods; adds what keeps energy.
+    """Weight of a contact between ends where an end may share it; adds the forces that keep energy.
 
-    The forces are the slopes of the weight: each end is pushed off, the contact pulled in.
+    It is below 1 near an end, and where rods are nearly parallel. The forces are the slopes of the
+    weight: each end is pushed off, the contact pulled in.
     """
     apart, a, b, distance = pair.apart, pair.a, pair.b, sqrt(near.square)
     ends = (
@@ -305,10 +312,11 @@ def shared(law, total, pair, near, half):
 
 @kernel
 def crossing(up, effects, state, pair, was, n):
-    """Collect the contact of two rods between their ends, in space.
+    """Collect the contact of two rods between their ends, in space; in the plane there is none.
 
-    The number of contacts then, whether the ends need no look, as they can neither touch nor share
-    that contact, and the squared distance between the ends, inf where rods are not closest there.
+    Returns the number of contacts, whether the ends need no look, as they can neither touch nor
+    share that contact, and the squared distance between the ends, inf where rods are not closest
+    there.
     """
     if len(up) == 2:
         return n, False, np.inf
@@ -330,13 +338,13 @@ def crossing(up, effects, state, pair, was, n):
 
 @kernel
 def ends_of(upper):
-    """Ends of two rods; two spheres have one contact."""
+    """Number of ends with a contact of two rods: 4, or 1 for two spheres."""
     return 1 if upper is None else 4
 
 
 @kernel
 def pair_forces(between, effects, state, ledger, dt):
-    """Add the forces of all touching pairs; why the run cannot go on, and which pair."""
+    """Add the forces of all touching pairs; return the stop code, and the entry of the pair."""
     if between is None:
         return DONE, 0
     rods, listed, half, scratch, n = state.rods, state.listed, effects.half_length, state.scratch, 0

@@ -1,4 +1,4 @@
-"""A rod over the plate, compiled: both caps or corners, and what acts on it there."""
+"""Forces of the plate on a rod, compiled: at both caps, or at both corners of a flat end."""
 
 from typing import NamedTuple
 
@@ -21,23 +21,23 @@ from .vectors import (
 
 
 class Moving(NamedTuple):
-    """A rod over the plate in one step."""
+    """Motion of a rod over the plate in one step."""
 
     z: float  # d
     director: tuple
     velocity: tuple  # sqrt(g d); half a step before
-    turn: tuple  # sqrt(g/d); the same
+    turn: tuple  # sqrt(g/d); half a step before
     explicit: bool | None  # True: the dashpots see `now`; None: the velocities of the step
-    now: tuple  # velocity and turn
+    now: tuple  # velocity and turn for explicit dashpots
 
 
 class Touch(NamedTuple):
-    """What acts at one cap."""
+    """Contact of one cap or corner with the plate; open unless the overlap is > 0."""
 
     overlap: float  # d
     end: tuple  # d; from the centre of mass to the centre of the cap, or to the corner
-    arm: tuple  # d; to the contact point
-    half: tuple  # sqrt(g d); velocity of that against the plate half a step before
+    arm: tuple  # d; from the centre of mass to the contact point
+    half: tuple  # sqrt(g d); velocity of that point against the plate half a step before
     kept: Kept  # forces and spring of this step
     rate: float  # sqrt(g d), at which the contact opens (+) or closes (-)
     lost: tuple[float, float]  # m g d; by the dashpot of F_n and by friction in this step
@@ -45,7 +45,7 @@ class Touch(NamedTuple):
 
 @kernel
 def end_at(flat, half, cap, director):
-    """Centre of a cap from the centre of mass, and its radius; or a corner of a flat end.
+    """Centre of a cap from the centre of mass, and its radius; of a flat end, a corner and 0.
 
     `cap` is -1 or 1: of round ends along the axis, of the corners of the lower flat end across it.
     Of a flat-ended rod that lies rather than stands the other corner is the upper end's.
@@ -61,7 +61,7 @@ def end_at(flat, half, cap, director):
 
 @kernel
 def facing(effects, rod, plate, cap, kept):
-    """How the cap or corner `cap` of `end_at` stands to the plate, with its last force."""
+    """`Touch` of the cap or corner `cap` of `end_at`, still with its force of the step before."""
     end, radius = end_at(effects.flat, effects.half_length, cap, rod.director)
     arm = raised(end, plate[0] - rod.z - height(end))
     half = raised(point(effects, rod.velocity, rod.turn, rod.director, arm), -plate[1])
@@ -73,7 +73,7 @@ def facing(effects, rod, plate, cap, kept):
 
 @kernel
 def facing_above(upper, effects, rod, plate, kept):
-    """The same for the upper cap, which stays open if there is none."""
+    """`Touch` of the upper cap, still with its last force; open if there is no second cap."""
     if upper is None:
         centre = nothing(rod.velocity)
         return Touch(-1.0, centre, centre, rod.velocity, nothing_kept(effects.up), 0.0, (0.0, 0.0))
@@ -82,13 +82,13 @@ def facing_above(upper, effects, rod, plate, kept):
 
 @kernel
 def force_on(touch):
-    """The plate's force at a cap."""
+    """Force vector of the plate at one cap."""
     return raised(spread(touch.kept.rub, upward(touch.arm)), touch.kept.force)
 
 
 @kernel
 def both(forces, lower, upper):
-    """Force and torque by all, the plate's at both caps included."""
+    """Force and torque on a rod: `forces` by all else, plus those of the plate at both caps."""
     f, g = force_on(lower), force_on(upper)
     turned = along(along(forces[1], 1.0, torque(lower.arm, f)), 1.0, torque(upper.arm, g))
     return along(along(forces[0], 1.0, f), 1.0, g), turned
@@ -96,7 +96,7 @@ def both(forces, lower, upper):
 
 @kernel
 def swept(rolling, rod, arm, end, plate):
-    """Acceleration of a slip by the motion of its arm, rolling that turns with the rod included."""
+    """Acceleration of the slip by the motion of its arm, and of the axis of its rolling."""
     lift = plate[1] - height(rod.velocity)
     if len(arm) == 2:
         return swing(rod.turn, (0.0, lift))
@@ -110,9 +110,9 @@ def swept(rolling, rod, arm, end, plate):
 
 @kernel
 def pressed(effects, rod, touch, plate, forces, dt):
-    """The touch of one cap with its force of the step.
+    """`Touch` of one cap with its force of the step.
 
-    `forces`: force and torque on the rod by all, by the cap's last force too.
+    `forces`: force and torque on the rod by everything, the cap's last force included.
     """
     overlap, end, arm, half, kept, _, _ = touch
     if overlap <= 0.0:
@@ -135,7 +135,7 @@ def pressed(effects, rod, touch, plate, forces, dt):
 
 @kernel
 def plate_forces(effects, rod, kept, plate, others, dt):
-    """Force and torque by all, and what acts at the lower (-) and at the upper (+) cap.
+    """Force and torque on a rod by everything, and the `Touch` of its lower (-) and upper (+) cap.
 
     `kept`: of both caps, `plate`: height and velocity of the plate, `others`: force and torque by
     all but the plate. The lower cap sees the upper one's last force, the upper one the lower one's
@@ -150,7 +150,7 @@ def plate_forces(effects, rod, kept, plate, others, dt):
 
 @kernel
 def plate_at(plate, step):
-    """Height and velocity of the plate after any number of steps, without rounding."""
+    """Height and velocity of the plate after any number of steps, without rounding of the phase."""
     if plate is None:
         return 0.0, 0.0
     i = step % plate.height.size
@@ -159,7 +159,7 @@ def plate_at(plate, step):
 
 @kernel
 def plate_before(plate, step):
-    """Velocity of the plate half a step before."""
+    """Velocity of the plate half a step before a step."""
     if plate is None:
         return 0.0
     return 0.5 * (plate_at(plate, step - 1)[1] + plate_at(plate, step)[1])

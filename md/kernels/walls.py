@@ -19,31 +19,34 @@ from .vectors import IN_SPACE, along, raised, times
 
 
 class At(NamedTuple):
-    """Where a wall may touch a rod."""
+    """Contact of a rod with a wall: place on the axis, distance, direction and weight."""
 
     s: float  # d; place on the axis, from the centre
     reach: float  # d; from there to the wall
     out: tuple[float, float, float]  # unit vector from the wall to the rod
     share: float  # weight of the contact, 0 to 1
-    slot: int  # of what is kept of it
+    slot: int  # of its kept force and spring
 
 
 @kernel
 def from_above(place, director):
-    """Of a rod seen from above: x.x, x.u and u.u of its centre x and its director u."""
+    """Products x.x, x.u and u.u of the horizontal parts of a rod's centre x and director u."""
     x, y, u, v = place[0], place[1], director[0], director[1]
     return x * x + y * y, x * u + y * v, u * u + v * v
 
 
 @kernel
 def beyond(seen, s):
-    """Squared distance of a place of the rod from the axis of the annulus."""
+    """Squared distance of a point s of a rod from the axis of the annulus.
+
+    `seen`: the products of `from_above`.
+    """
     return seen[0] + s * (2.0 * seen[1] + s * seen[2])
 
 
 @kernel
 def passes(seen, half, distance):
-    """Whether the rod comes closer than that to the axis of the annulus between its ends.
+    """Whether a rod comes closer than `distance` to the axis of the annulus between its ends.
 
     It is closest at s = -x.u/u.u.
     """
@@ -55,16 +58,16 @@ def passes(seen, half, distance):
 
 @kernel
 def from_axis(point):
-    """Horizontal distance of a point from the axis of the annulus, and the direction outwards."""
+    """Horizontal distance of a point from the axis of the annulus, and the unit vector outwards."""
     rho = sqrt(point[0] * point[0] + point[1] * point[1])
     return rho, (point[0] / rho, point[1] / rho, 0.0)
 
 
 @kernel
 def against(shaken, v, gain, climb, dt):
-    """Velocity and acceleration against a wall that climbs, or is at rest.
+    """Velocity and acceleration of a point against a wall, which is shaken or at rest.
 
-    `climb`: its velocity half a step before, and at the step.
+    `climb`: velocity of the shaken wall half a step before, and at the step.
     """
     if shaken is None:
         return v, gain
@@ -74,7 +77,7 @@ def against(shaken, v, gain, climb, dt):
 
 @kernel
 def collect(effects, state, n, i, at, climb, dt):
-    """Put a contact of rod i at place n of the batch; the number of contacts then."""
+    """Store a contact of rod i with a wall at place n of the batch; return the contact count."""
     director, rod = director_of(IN_SPACE, state.rods, i), np.uint64(i)
     arm = along(times(at.s, director), -at.reach, at.out)
     v, gain = moving(effects, state, i, director, arm)
@@ -87,7 +90,7 @@ def collect(effects, state, n, i, at, climb, dt):
 
 @kernel
 def act(wall, effects, state, ledger, climb, count, dt):
-    """Add what the first contacts of the batch do; none is left."""
+    """Compute the collected contacts of a wall and add their forces; return 0, as none is left."""
     total, batch = state.scratch.total, state.scratch.batch
     kept, columns = (state.forces, state.springs), (WALL_NORMAL, WALL_FRICTION)
     alike = Alike(wall, ONE, inertia_of(effects), IN_SPACE, columns)
@@ -98,7 +101,7 @@ def act(wall, effects, state, ledger, climb, count, dt):
 
 @kernel
 def worked(shaken, ledger, numbers, climbed, count):
-    """Add the work of the shaken walls, by friction alone: the normal is level."""
+    """Add the work of a shaken wall to the ledger, by friction alone: the normal is level."""
     if shaken is None:
         return
     if ledger is not None:
@@ -108,7 +111,7 @@ def worked(shaken, ledger, numbers, climbed, count):
 
 @kernel
 def beside(wall, state, i, half, s):
-    """Contact of the convex wall at a place between the ends; adds what keeps energy."""
+    """`At` of rod i on the convex wall, between its ends; adds the forces that keep energy."""
     place, director = place_of(IN_SPACE, state.rods, i), director_of(IN_SPACE, state.rods, i)
     rho, out = from_axis(along(place, s, director))
     lower, out_l = from_axis(along(place, -half, director))
@@ -128,7 +131,7 @@ def beside(wall, state, i, half, s):
 
 @kernel(inline=False)
 def wall_forces(wall, effects, state, ledger, side, climb, dt):
-    """Add the forces of a wall; a rod that is too deep, or -1."""
+    """Add the forces of a wall on all rods; return a rod that is too deep in it, or -1."""
     rods, half, n, slot = state.rods, effects.half_length, 0, INNER if side > 0 else OUTER
     touching = wall.radius + 0.5 * side
     for i in range(rods.shape[0]):
@@ -161,7 +164,7 @@ def wall_forces(wall, effects, state, ledger, side, climb, dt):
 
 @kernel
 def within(wall, effects, state, ledger, side, climb, dt):
-    """The same of a wall that may be absent."""
+    """Add the forces of a wall, which may be absent; return a rod that is too deep in it, or -1."""
     if wall is None:
         return -1
     return wall_forces(wall, effects, state, ledger, side, climb, dt)
