@@ -1,6 +1,6 @@
-"""A scene under way: what the kernels take of it, arrays, and the calls that march it on.
+"""Simulation of a scene: effects and arrays for the kernels, and the calls that advance it.
 
-What an effect does not need is not allocated.
+Arrays are allocated only for the effects that the scene has.
 """
 
 from dataclasses import dataclass
@@ -52,7 +52,7 @@ from .scene import GAP, Annulus, Contact, Scene
 
 STEPS_PER_CONTACT = 48  # at twice the plate's peak velocity
 _MOST_STEPS = 10**7  # of a period
-CALL_SECONDS = 0.02  # of a call of the kernel: so long may a signal wait
+CALL_SECONDS = 0.02  # duration of a call of the kernel, for which a signal may have to wait
 _MOST_A_CALL = 500_000  # steps times rods; a flight says little about the contact behind it
 
 
@@ -61,14 +61,14 @@ def _rod(scene: Scene) -> Rod:
 
 
 def _forces(contact: Contact | None) -> ContactForces | None:
-    """What a kernel takes of a contact."""
+    """Normal force and friction of a contact for the kernels; None without the contact."""
     if contact is None:
         return None
     return ContactForces(contact.law.normal, friction_of(contact.law, contact.friction))
 
 
 def stable_step(scene: Scene) -> tuple[float, float]:
-    """Longest stable step of a scene, and its shortest contact.
+    """Longest stable step of a scene and duration of its shortest contact, in sqrt(d/g).
 
     Raises
     ------
@@ -98,7 +98,7 @@ def stable_step(scene: Scene) -> tuple[float, float]:
 
 
 def step_of(scene: Scene) -> tuple[float, int]:
-    """Step and steps a period: the step asked for, or a good one, as a whole part of the period.
+    """Step in sqrt(d/g) and steps per period: the step asked for or a good one, a whole part.
 
     Raises
     ------
@@ -122,7 +122,7 @@ def step_of(scene: Scene) -> tuple[float, int]:
 
 
 def plate_motion(scene: Scene, per: int) -> Motion | None:
-    """One period of the plate, from its lowest place; None at rest."""
+    """Motion of the plate over one period, from its lowest place; None if it is at rest."""
     if not scene.vibrates:
         return None
     angle = 2 * pi * np.arange(per) / per
@@ -131,7 +131,7 @@ def plate_motion(scene: Scene, per: int) -> Motion | None:
 
 
 def _flat(group: Any, prefix: str = "") -> dict[str, np.ndarray]:
-    """Arrays of nested tuples of arrays by dotted name, but for scratch and what is absent."""
+    """Arrays in nested tuples, by dotted name; without scratch arrays and absent ones."""
     found: dict[str, np.ndarray] = {}
     for name, value in group._asdict().items():
         if isinstance(value, tuple) and name != "scratch":
@@ -143,7 +143,7 @@ def _flat(group: Any, prefix: str = "") -> dict[str, np.ndarray]:
 
 @dataclass
 class Engine:
-    """A scene under way, marched in calls of a kernel; signals are seen between calls."""
+    """Simulation of a scene, advanced in calls of a kernel; signals are seen between calls."""
 
     scene: Scene
     effects: Effects
@@ -158,26 +158,26 @@ class Engine:
 
     @property
     def rods(self) -> np.ndarray:
-        """State of the rods; columns in `kernels.codes`."""
+        """State of the rods, one row each; columns in `kernels.codes`."""
         return self.state.rods
 
     @property
     def record(self) -> Record | None:
-        """Touches of the plate that are over."""
+        """Record of the touches of the plate; None if there is none."""
         return self.watchers.record
 
     @property
     def ledger(self) -> np.ndarray | None:
-        """Energy by its ways; columns in `kernels.codes`."""
+        """Work and losses so far, in m g d; columns in `kernels.codes`; None without an account."""
         return self.watchers.ledger
 
     @property
     def plate_height(self) -> float:
-        """Height of the plate at this step, in d."""
+        """Height of the plate at the present step, in d."""
         return float(self.plate.height[self.step % self.per]) if self.plate else 0.0
 
     def series(self, periods: int) -> Series:
-        """Empty series for the samples of so many periods."""
+        """Create an empty series for the samples of `periods` periods."""
         place, last, *_ = self._parts(self.rods)
         columns = ROW_SERIES
         if len(self.effects.up) == 3:
@@ -186,7 +186,7 @@ class Engine:
         return Series(np.zeros((periods + 1, columns)), last.copy(), self.per, every)
 
     def go(self, steps: int, series: Any = None) -> int:
-        """Up to `steps` steps, fewer if the record is full; steps made.
+        """Make up to `steps` steps, fewer if the record is full; return the number of steps made.
 
         Raises
         ------
@@ -215,7 +215,7 @@ class Engine:
                 return made
 
     def _grow(self) -> None:
-        """Make the list of pairs twice as long."""
+        """Double the capacity of the list of pairs."""
         listed: Any = self.state.listed
         longer = {
             name: np.concatenate([array, np.zeros_like(array)], axis=1)
@@ -229,7 +229,7 @@ class Engine:
         )
 
     def _stopped(self, why: int, where: int) -> tuple[str, np.ndarray]:
-        """What ended the run early, in words, and the state."""
+        """Message that says what ended the run early, and a copy of the state."""
         at = f"at t = {self.step / self.per:.6g} periods (step {self.step} of {self.dt:g})"
         state, half = self.rods.copy(), self.effects.half_length
         place, director, velocity, turn = self._parts(state)
@@ -262,16 +262,16 @@ class Engine:
         return float(energy(self.effects, self.rods, self.state.listed, float(between), self.dt))
 
     def _parts(self, rods: np.ndarray) -> list[np.ndarray]:
-        """Places, directors, velocities and turns."""
+        """Places, directors, velocities and turns in an array of rods."""
         dimensions = len(self.effects.up)
         return np.split(rods, [dimensions, 2 * dimensions, 3 * dimensions], axis=1)
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """All that changes as the run goes on, by name."""
+        """Arrays that change as the run goes on, by dotted name."""
         return _flat(self.state) | _flat(self.watchers)
 
     def restore(self, arrays: dict[str, np.ndarray], step: int) -> None:
-        """Go on from the arrays of another run of the same scene."""
+        """Take over the arrays and the step of another run of the same scene."""
         self.step = step
         entries = "listed.index"
         while entries in self.arrays() and arrays[entries].shape != self.arrays()[entries].shape:
@@ -281,9 +281,10 @@ class Engine:
 
 
 def _row_of_rods(scene: Scene, lowest: float) -> np.ndarray:
-    """Rods side by side, alike in tilt, the lower caps over the plate; at rest on average along it.
+    """State of a row at its start: equal tilts, caps over the plate, no mean velocity along it.
 
-    A mean velocity along the plate would stay: where friction is small it is all that is measured.
+    A mean velocity along the plate would last: where friction is small, nothing else would be
+    measured.
     """
     n, tilt = scene.rods.count, scene.tilt
     half = _rod(scene).half_length
@@ -300,7 +301,7 @@ def _row_of_rods(scene: Scene, lowest: float) -> np.ndarray:
 
 
 def _ring_of_rods(scene: Scene, gap: Annulus, lowest: float) -> np.ndarray:
-    """Rods around an annulus; at rest on average around it."""
+    """State of the rods in an annulus at their start, without a mean velocity around it."""
     n, tilt = scene.rods.count, None if scene.start.tilt_deg is None else abs(scene.tilt)
     rods = np.zeros((n, SPACE_COLUMNS))
     rods[:, :VELOCITY] = placed(gap, n, scene.rods.length, tilt=tilt, seed=scene.start.seed)
@@ -317,7 +318,7 @@ def _ring_of_rods(scene: Scene, gap: Annulus, lowest: float) -> np.ndarray:
 
 
 def all_effects(scene: Scene, per: int) -> Effects:
-    """All that acts on the rods of a scene."""
+    """`Effects` on the rods of a scene, with `per` steps a period."""
     rod, gap, gravity, plate = _rod(scene), scene.annulus, scene.gravity, scene.contacts.plate
     between, wall = map(_forces, (scene.contacts.rods, scene.contacts.wall))
     law, friction = (plate.law, plate.friction) if plate else (None, 0.0)
@@ -340,13 +341,13 @@ def all_effects(scene: Scene, per: int) -> Effects:
 
 
 def at_start(effects: Effects, rods: np.ndarray) -> State:
-    """State of rods that have touched nothing yet."""
+    """`State` of rods before their first contact."""
     n, space, between = len(rods), len(effects.up) == 3, effects.between
     walls = [wall for wall in (effects.inner, effects.outer) if wall]
     frictions = effects.friction, *(wall.friction for wall in walls)
     rubs = [friction for friction in frictions if friction]
     slots, part, columns = (SLOTS, 3, 6) if space else (2, 1, 3)
-    order: Any = "C" if space else "F"  # in which either is fast; one rod in a row has both
+    order: Any = "C" if space else "F"  # the faster order; an array of one rod in a row has both
     listed, place, found, capacity = None, None, None, 8 * n + 56
     if between is not None:
         listed = nothing_listed(n, capacity, between.friction is not None, space)
@@ -363,7 +364,7 @@ def at_start(effects: Effects, rods: np.ndarray) -> State:
 
 
 def prepare(scene: Scene, *, ledger: bool = True, touches: bool = True) -> Engine:
-    """A scene at its start.
+    """Create the engine of a scene at its start.
 
     Parameters
     ----------

@@ -8,8 +8,8 @@ constant_restitution   k_n d^(3/2) - c sqrt(M k_n) d^(1/4) v_n     spring and da
 coulomb                the same                                    constraint: no slip up to mu F_n
 =====================  ==========================================  ===============================
 
-d is the overlap, M the mass that a contact shows to a normal force, 1/M = 1/m + X^2/I (to a
-tangential one, 1/M = 1/m + Z^2/I). F_n is cut at zero: the plate never pulls, and the contact's
+d is the overlap, M the effective mass of a contact for a normal force, 1/M = 1/m + X^2/I (for a
+friction force, 1/M = 1/m + Z^2/I). F_n is cut at zero: the plate never pulls, and the contact's
 force ends before its overlap does. |F_t| never exceeds mu F_n. Reduced units: the rod's diameter
 and mass and gravity are 1.
 
@@ -132,7 +132,7 @@ def appendix_a(
 
 
 def _normal(restitution: float, stiffness: float) -> Normal:
-    """Hertz with the dashpot that gives this head-on restitution at every speed; 0: plastic."""
+    """Hertz' force with the dashpot of a head-on restitution at every speed; plastic if it is 0."""
     k = positive("stiffness", stiffness)
     if number("restitution", restitution, 0.0, 1.0) == 0:
         return Normal(k, plastic=True)
@@ -189,10 +189,10 @@ LAWS: dict[str, Callable[..., Law]] = {
 def hertz_stiffness(
     young: float, poisson: float, density: float, length: float, diameter: float
 ) -> float:
-    """k_n of rods of a material on a plate of the same, in m g/d: the key `stiffness` of a contact.
+    """Stiffness k_n of rods on a plate of one material, in m g/d: key `stiffness` of a contact.
 
     Hertz' force (4/3) E* sqrt(R) delta^(3/2) of a cap of radius R = d/2 on a plane, with E* =
-    E/(2 (1 - nu^2)) of two bodies alike, over the weight of a uniform spherocylinder (K. L.
+    E/(2 (1 - nu^2)) of two equal bodies, over the weight of a uniform spherocylinder (K. L.
     Johnson, Contact Mechanics, 1985, chapter 4). Softer contacts, as the paper's, are usual: they
     last longer and take longer steps. Compare two stiffnesses to see what that does to a drift.
 
@@ -213,7 +213,7 @@ def hertz_stiffness(
 
 
 def friction_of(law: Law, coefficient: float) -> Friction | None:
-    """Coulomb friction under this law; none at all where the coefficient is zero."""
+    """Coulomb friction under a law; None if the coefficient is zero."""
     mu = number("friction", coefficient, 0.0, inf)
     if mu == 0:
         return None
@@ -230,7 +230,7 @@ def contact_time(law: Law, speed: float) -> float:
     return 2.943275 * deepest_overlap(law, speed) / speed
 
 
-# Of K dt^2 + a C dt = b, with stiffness K and dashpot C per mass: (a, b).
+# (a, b) of the stability limit K dt^2 + a C dt = b, K stiffness and C dashpot constant, per mass.
 _STABLE = {"leapfrog": (2.0, 4.0), "verlet": (4.0, 4.0), "gear": (4.0, 0.64)}
 
 
@@ -250,11 +250,11 @@ def largest_step(
 
     With stiffness K and dashpot C of the contact per mass, at the deepest overlap, a step is stable
     up to K dt^2 + 2 C dt = 4 under leapfrog and K dt^2 + 4 C dt = 0.64 under Gear's method (which,
-    without any dashpot, still gains 1e-3 in amplitude a step there). Verlet's dashpots and part of
-    its tangential spring are solved for: of n contacts that see each other a step late the others'
-    parts are left, as extrapolated, and with P = `kernels.contact.PHASE` a step is stable up to
-    K_n dt^2 + (1 + P - 2 P/n) K_t dt^2 + 4 (1 - 1/n) C dt = 4. Normal and tangential parts are
-    added, which is exact without a tangential spring and on the safe side with one.
+    without any dashpot, still gains 1e-3 in amplitude a step there). Verlet's method solves for the
+    dashpots and part of the tangential spring of a contact. Of n contacts that see each other a
+    step late, it only extrapolates those of the others: with P = `kernels.contact.PHASE` a step is
+    stable up to K_n dt^2 + (1 + P - 2 P/n) K_t dt^2 + 4 (1 - 1/n) C dt = 4. Normal and tangential
+    parts are added, which is exact without a tangential spring and on the safe side with one.
 
     Parameters
     ----------
@@ -264,9 +264,9 @@ def largest_step(
     along, across : largest Z^2/k^2 and X^2/k^2 of a contact
     method : "leapfrog", "verlet" or "gear"
     caps : how many are pressed at once; several push and turn the rod together
-    late : n, contacts that see each other a step late; None: of caps over a plate only the lower
-        one does, as 4/3 contacts would
-    key : of the contact in a scene, and a dot
+    late : n, number of contacts that see each other a step late; None: caps over a plate, where
+        only the lower one sees the other late, as 4/3 contacts would
+    key : of the contact in a scene, with a dot at its end, for messages
 
     Raises
     ------
@@ -316,7 +316,7 @@ class Rod(NamedTuple):
 
     @property
     def half_length(self) -> float:
-        """From the centre to the centre of a cap, or to a flat end, in d."""
+        """Distance from the centre of a rod to the centre of a cap, or to a flat end, in d."""
         return (self.length - (self.ends == "round")) / 2
 
     @property
@@ -327,7 +327,7 @@ class Rod(NamedTuple):
         if self.ends == "flat":
             return self.length**2 / 12 + 1 / 16
         h = self.length - 1  # cylinder between the caps; volumes in units of pi/12
-        offset = h / 2 + 3 / 16  # of the centre of mass of a half ball of radius 1/2
+        offset = h / 2 + 3 / 16  # of a cap's centre of mass, half a ball of radius 1/2
         ball = 1 / 10 - (3 / 16) ** 2 + offset**2
         return (3 * h * (h**2 / 12 + 1 / 16) + 2 * ball) / (3 * h + 2)
 
@@ -349,7 +349,7 @@ def effects_of(
     gravity: tuple[float, float] | None,
     plate: Motion | None,
 ) -> Effects:
-    """All that acts on one rod; without a law of the plate there is none."""
+    """`Effects` on one rod; without a law it has no contact with the plate."""
     half, light = rod.half_length, 1 / rod.gyration_squared
     normal, rubbing = (law.normal, friction_of(law, friction)) if law else (None, None)
     upper, flat = (True if one else None for one in (half > 0, rod.ends == "flat"))
@@ -357,20 +357,20 @@ def effects_of(
 
 
 class LowerEnd(NamedTuple):
-    """What of a rod touches first."""
+    """End of a rod that touches the plate first: the lower cap, or a corner of a flat end."""
 
-    reach: float  # d, from the centre of mass to the centre of a cap, or to a corner
+    reach: float  # d, from the centre of mass to the centre of the cap, or to the corner
     offset: float  # rad; the tilt of that line less the rod's
-    radius: float  # d, around it
+    radius: float  # d, of the cap; 0 of a corner
 
     def arm(self, tilt: float) -> tuple[float, float]:
-        """Where it touches, seen from the centre of mass, at a tilt; in d."""
+        """Arm from the centre of mass to the contact point of this end, at a tilt; in d."""
         lean = tilt + self.offset
         return -self.reach * sin(lean), -(self.reach * cos(lean) + self.radius)
 
 
 def lower_end(effects: Effects, tilt: float) -> LowerEnd:
-    """Lower cap, or lower corner of a flat end; the sign of a zero tilt chooses the corner."""
+    """`LowerEnd` of a rod: lower cap, or lower corner, which the sign of a zero tilt chooses."""
     half = effects.half_length
     if effects.flat is None:
         return LowerEnd(half, 0.0, 0.5)
@@ -378,6 +378,6 @@ def lower_end(effects: Effects, tilt: float) -> LowerEnd:
 
 
 def height_of_second(effects: Effects, tilt: float) -> float:
-    """How high the second cap or corner is over the one that touches first, in d."""
+    """Height of the second cap or corner over the one that touches first, in d."""
     corner = inf if effects.flat is None else abs(sin(tilt))
     return min(2 * effects.half_length * cos(tilt), corner)

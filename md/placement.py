@@ -1,4 +1,4 @@
-"""Where rods can be in the gap of an annulus: the largest tilt of one, and a start for many."""
+"""Places of rods in the gap of an annulus: largest tilt of a single rod, initial places of many."""
 
 from collections.abc import Iterator
 from math import acos, asin, cos, pi, sin, sqrt
@@ -12,8 +12,8 @@ from .domains import InputError
 from .kernels.codes import DIRECTOR, SPACE_COLUMNS, VELOCITY
 from .scene import GAP, Annulus
 
-_ROOM = 1e-5  # d; so much farther than touching rods are pushed apart
-_STEPS = 2_000  # of a relaxation
+_ROOM = 1e-5  # d; gap to which overlapping rods are pushed apart
+_STEPS = 2_000  # iterations of that at most
 
 
 def largest_tilt(gap: Annulus, length: float) -> float:
@@ -39,11 +39,11 @@ def largest_tilt(gap: Annulus, length: float) -> float:
 def placed(
     gap: Annulus, count: int, length: float, *, tilt: float | None = None, seed: int = 0
 ) -> np.ndarray:
-    """Centres and directors of `count` rods around the gap, none in another or in a wall.
+    """Place `count` rods around the gap, without overlaps; their centres and directors.
 
     The rods lean along the annulus and stand by turns at the inner and the outer wall, as far as
-    their tilt leaves room (zig-zag); what overlaps then is pushed apart, the lower caps at one
-    height, until nothing is nearer than `scene.GAP`.
+    their tilt leaves room (zig-zag). Then overlapping rods are pushed apart, the lower caps at one
+    height, until all gaps are at least `scene.GAP`.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def placed(
         raise InputError(f"{refused}: at most {fit} do, upright")
     half, most = (length - 1) / 2, largest_tilt(gap, length)
     lean = min(_filling(gap, count, half, most) if tilt is None else tilt, 0.98 * most)
-    parts = (1.0, 0.97, 0.93, 0.85, 0.7, 0.4, 0.0)  # what does not fit is tried steeper
+    parts = (1.0, 0.97, 0.93, 0.85, 0.7, 0.4, 0.0)  # of the tilt: rods that do not fit are raised
     for part in tqdm(parts, "placing rods", unit="try", leave=False, delay=2, disable=None):
         rods = _zigzag(gap, count, half, part * lean, np.random.default_rng(seed))
         _push_apart(gap, rods, half)
@@ -80,29 +80,31 @@ def placed(
 
 
 def _most_upright(gap: Annulus) -> int:
-    """Largest number of rods, or more: their lower caps lie at one height, and none in another.
+    """Upper bound of the number of rods in an annulus, with all lower caps at one height.
 
-    In a gap below two diameters each cap has a turn around the axis to itself, the least where its
-    neighbour stands at the other wall, or both at the outer one; in a wider gap an area.
+    In a gap below two diameters each cap has an angle around the axis to itself, which is smallest
+    where its neighbour stands at the other wall, or both at the outer one; in a wider gap it has an
+    area.
     """
     low, high = gap.inner + 0.5, gap.outer - 0.5
     if high - low >= 1:
         return int(4 * (gap.outer**2 - gap.inner**2))
-    across = (low**2 + high**2 - 1) / (2 * low * high)  # cosine of the turn
+    across = (low**2 + high**2 - 1) / (2 * low * high)  # cosine of the angle
     return int(2 * pi / acos(max(across, 1 - 0.5 / high**2)))
 
 
 def _zigzag(
     gap: Annulus, count: int, half: float, lean: float, random: np.random.Generator
 ) -> np.ndarray:
-    """Rods around the gap, by turns as near to either wall as their tilt allows.
+    """State of rods around the gap, by turns as near to either wall as their tilt allows.
 
-    An odd one stands in the middle, with as much more room beside it as it needs there: two rods
-    that are apart by `across` need sqrt(1 - across^2) along the gap, two at one wall a diameter.
+    The last of an odd number stands in the middle, with as much more room beside it as it needs
+    there: two rods that are apart by `across` need sqrt(1 - across^2) along the gap, two at one
+    wall a diameter.
     """
     low, high = _swing(gap, half, lean)
     beside, turn = (sqrt(1 - min(across, 1) ** 2) for across in ((high - low) / 2, high - low))
-    wider = count % 2 * max(beside / max(turn, 0.5) - 1, 0.0)  # in distances of the others
+    wider = count % 2 * max(beside / max(turn, 0.5) - 1, 0.0)  # in units of the other distances
     rods = np.zeros((count, SPACE_COLUMNS))
     for i in range(count):
         odd_one = count % 2 == 1 and i == count - 1
@@ -140,7 +142,7 @@ def _filling(gap: Annulus, count: int, half: float, most: float) -> float:
 def _meetings(
     gap: Annulus, place: np.ndarray, director: np.ndarray, half: float, pairs: np.ndarray
 ) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]]:
-    """Rods that meet a wall or one another: each with each wall, and the rods of the pairs.
+    """Overlaps of rods with each wall and with one another, for the given pairs.
 
     Yields
     ------
@@ -170,16 +172,16 @@ def _meetings(
 
 
 def _near(place: np.ndarray, half: float) -> np.ndarray:
-    """Pairs of rods that may touch, also once they have moved by a diameter."""
+    """Pairs of rods that may touch, even after they have moved by a diameter."""
     return cKDTree(place).query_pairs(2 * half + 3, output_type="ndarray")
 
 
 def _push_apart(gap: Annulus, rods: np.ndarray, half: float) -> None:
-    """Minimise the squares of all overlaps, the lower caps on the plate."""
+    """Minimise the sum of the squares of all overlaps, with the lower caps on the plate."""
     n, pairs = len(rods), _near(rods[:, :DIRECTOR], half)
 
     def parts(unknown: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Places, directors and the lengths of what is to become the directors."""
+        """Places, directors and the lengths of the vectors that become the directors."""
         flat, axis = unknown[: 2 * n].reshape(n, 2), unknown[2 * n :].reshape(n, 3)
         length = np.linalg.norm(axis, axis=1, keepdims=True)
         director = axis / length
@@ -187,7 +189,7 @@ def _push_apart(gap: Annulus, rods: np.ndarray, half: float) -> None:
         return np.column_stack([flat, height]), director, length
 
     def energy(unknown: np.ndarray) -> tuple[float, np.ndarray]:
-        """Sum of the squares, and its gradient."""
+        """Sum of the squares of all overlaps, and its gradient."""
         place, director, length = parts(unknown)
         total, force, turn = 0.0, np.zeros((n, 3)), np.zeros((n, 3))
         for rod, overlap, outward, lever in _meetings(gap, place, director, half, pairs):
@@ -207,7 +209,7 @@ def _push_apart(gap: Annulus, rods: np.ndarray, half: float) -> None:
 
 
 def overlap(gap: Annulus, rods: np.ndarray, half: float) -> float:
-    """Largest overlap of rods with each other and with the walls, in d; negative: all are apart."""
+    """Largest overlap of rods with each other and the walls, in d; negative if all are apart."""
     place, director = rods[:, :DIRECTOR], rods[:, DIRECTOR:VELOCITY]
     found = _meetings(gap, place, director, half, _near(place, half))
     return float(max(deep.max(initial=-np.inf) for _, deep, *_ in found))

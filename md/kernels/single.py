@@ -6,7 +6,7 @@ velocity that the dashpots of that force see:
 =========  =============================================  ==========================
 name       positions and velocities kept                  velocity in the dashpots
 =========  =============================================  ==========================
-leapfrog   positions at n, velocities at n - 1/2          n - 1/2, as it stands
+leapfrog   positions at n, velocities at n - 1/2          that of n - 1/2
 verlet     the same (velocity Verlet, one force a step)   that of n, solved for
 gear       positions and five derivatives at n            predicted at n
 =========  =============================================  ==========================
@@ -35,9 +35,10 @@ _C0, _C1, _C3, _C4, _C5 = 3 / 16, 251 / 360, 11 / 18, 1 / 6, 1 / 60
 
 
 class State(NamedTuple):
-    """Where a method stands; `higher` tells Gear's method by its type, `explicit` Verlet's.
+    """State of one rod between steps; the types of `higher` and `explicit` tell which method it is.
 
-    Velocities are those at n - 1/2, or, for Gear's method, everything is at n - 1.
+    `higher` is a tuple in Gear's method alone, `explicit` is `None` in Verlet's alone. Velocities
+    are those at n - 1/2, or, for Gear's method, everything is at n - 1.
     """
 
     position: tuple[float, float, float]  # x, z in d, tilt in rad
@@ -51,20 +52,20 @@ class State(NamedTuple):
 
 @kernel
 def known(kept):
-    """What both caps keep, by name."""
+    """`Kept` of both caps, from plain tuples."""
     (f, rub, spring), (g, other, second) = kept
     return Kept(f, rub, spring), Kept(g, other, second)
 
 
 @kernel
 def bare(touch):
-    """What a cap keeps of a touch, without names: a state that leaves Numba is of plain tuples."""
+    """Fields of a cap's `Kept` as a plain tuple: a state that leaves Numba is of plain tuples."""
     return touch.kept.force, touch.kept.rub, touch.kept.spring
 
 
 @kernel
 def accelerations(effects, state, at, half, now, step, dt):
-    """(a_x, a_z, angular) of a rod, and what acts at its caps.
+    """Acceleration (a_x, a_z, angular) of a rod, and the `Touch` of its lower and its upper cap.
 
     `at`: height and direction; `half`, `now`: velocities half a step before and at the step.
     """
@@ -77,7 +78,10 @@ def accelerations(effects, state, at, half, now, step, dt):
 
 @kernel
 def leap(effects, state, step, dt):
-    """Step n: forces, kick, drift; returns the velocity at n as well."""
+    """Make step n of leapfrog or Verlet: forces, kick, drift.
+
+    Returns the state, the velocity at n, and the `Touch` of the lower and of the upper cap.
+    """
     position, direction, half, _, _, higher, explicit = state
     at = position[1], direction
     a, lower, upper = accelerations(effects, state, at, half, half, step, dt)
@@ -91,7 +95,10 @@ def leap(effects, state, step, dt):
 
 @kernel
 def gear(effects, state, higher, step, dt):
-    """Predict to step n, evaluate, correct; returns the velocity at n as well."""
+    """Make step n of Gear's method: predict, evaluate, correct.
+
+    Returns the state, the velocity at n, and the `Touch` of the lower and of the upper cap.
+    """
     r0, direction, r1, r2, _, _, explicit = state
     tilt = r0[2]
     r1, r2 = along(ZERO, dt, r1), along(ZERO, dt * dt / 2, r2)
@@ -116,7 +123,7 @@ def gear(effects, state, higher, step, dt):
 
 @kernel
 def advance(effects, state, higher, step, dt):
-    """One step of the method."""
+    """Make one step: of leapfrog or Verlet's method if `higher` is None, else of Gear's."""
     if higher is None:
         return leap(effects, state, step, dt)
     return gear(effects, state, higher, step, dt)
@@ -124,20 +131,20 @@ def advance(effects, state, higher, step, dt):
 
 @kernel
 def plain(state):
-    """The fields of a state; Numba would make a `State` by calling Python, with its handlers."""
+    """Fields of a state as a plain tuple: Numba would make a `State` by calling Python."""
     position, direction, velocity, acceleration, kept, higher, explicit = state
     return position, direction, velocity, acceleration, kept, higher, explicit
 
 
 @kernel
 def over(watch, effects, lower, upper, dt):
-    """Whether the contact that is watched is over."""
+    """Add a step to the watched contact; return whether it is over."""
     return watched(watch, effects, seen(lower, (1.0, 0.0)), seen(upper, (1.0, 0.0)), dt)
 
 
 @kernel(inline=False)
 def run(effects, state, first, steps, dt, watch):
-    """Up to `steps` steps from step number `first`; returns state, steps made, why it ended.
+    """Make up to `steps` steps from number `first` on; return state, steps made and stop code.
 
     The state is a plain tuple of the fields of `State`. `watch` is an array to fill or `None`,
     without which the end of a contact does not end the run.
@@ -156,12 +163,12 @@ def run(effects, state, first, steps, dt, watch):
 
 
 def started(method: str, position: Any, velocity: Any, g: Any, dt: float) -> State:
-    """State before the first step of a rod that is still free, for the time of that step."""
+    """Initial state of a rod without contact, for its place and velocity at the first step."""
     g_x, g_z = map(float, g or (0, 0))
     fall = (g_x, g_z, 0.0)
     position, velocity = tuple(map(float, position)), tuple(map(float, velocity))
     higher: tuple | None = None
-    if method == "gear":  # it keeps everything at the step before
+    if method == "gear":  # this method keeps everything at the step before
         position = along(along(position, -dt, velocity), dt * dt / 2, fall)
         velocity, higher = along(velocity, -dt, fall), (ZERO, ZERO, ZERO)
     else:
@@ -173,7 +180,7 @@ def started(method: str, position: Any, velocity: Any, g: Any, dt: float) -> Sta
 
 
 class Slip(NamedTuple):
-    """What friction acts on in a contact."""
+    """Slip of a contact and what friction has to act on."""
 
     now: float  # sqrt(g d)
     drive: float  # g; its acceleration without friction
@@ -182,7 +189,7 @@ class Slip(NamedTuple):
 
 @kernel
 def plate_after(vibration, t):
-    """Displacement of the plate since t = 0, and its velocity."""
+    """Displacement of the plate since t = 0, and its velocity at t; zeros without a vibration."""
     if vibration is None:
         return 0.0, 0.0
     amplitude, frequency, phase = vibration
@@ -193,7 +200,11 @@ def plate_after(vibration, t):
 
 @kernel
 def held(spring, mode, overlap, limit, length, slip):
-    """F_t, the spring's rate and what is left of the friction before the mode changes."""
+    """F_t, the rate of the spring's length, and a signal that falls to zero as the mode changes.
+
+    The signal is the friction or the slip that is left. `mode`: a mode of `codes`; `limit`: mu F_n;
+    `length`: of the spring.
+    """
     if spring is None:
         stick = -slip.drive * slip.mass
         if mode == STICK:
@@ -208,7 +219,7 @@ def held(spring, mode, overlap, limit, length, slip):
 
 @kernel
 def rubbing(friction, mode, overlap, force, length, slip):
-    """The same, with or without friction."""
+    """F_t, rate of the spring's length and signal as in `held`; without friction 0, 0 and 1."""
     if friction is None:
         return 0.0, 0.0, 1.0
     return held(friction.spring, mode, overlap, friction.coefficient * force, length, slip)
@@ -216,7 +227,7 @@ def rubbing(friction, mode, overlap, force, length, slip):
 
 @kernel
 def end_of(plastic, left, rate):
-    """What crosses zero where the force ends; a plastic contact ends with the approach."""
+    """Signal that falls to zero where the force ends: `left`; in a plastic contact the approach."""
     return left if plastic is None else -rate
 
 

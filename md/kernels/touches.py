@@ -4,9 +4,9 @@ A touch begins with the first step in which the plate presses the rod and ends w
 which it no longer does. A row of the record holds what the theory of one impact needs, before and
 after, and what it leaves out.
 
-In space a row is of the vertical plane through the rod's axis as the touch begins, until it ends.
-Its x axis is horizontal and points around the annulus, counter-clockwise: its component that way is
-positive. Of an upright rod, which lies in all vertical planes, x is the direction around the
+In space a row refers to the vertical plane through the rod's axis as the touch begins, until it
+ends. The x axis of this plane is horizontal; its component around the annulus, counter-clockwise,
+is positive. For an upright rod, which lies in all vertical planes, x is the direction around the
 annulus itself. Slip, spin and velocity have the parts that lie in the plane; friction has its full
 size.
 """
@@ -45,10 +45,10 @@ DURATION = 3  # in steps
 FLIGHT = 4  # steps since the last touch of this rod ended; nan before its first one
 A_X, A_Z = 5, 6  # d; arm from the centre to the contact point, at the touch
 BEFORE = 7  # c_x, c_z, omega
-AFTER = 10  # the same
+AFTER = 10  # c_x, c_z, omega, as the force ends
 PLATE = 13  # velocity of the plate at the touch
 APPROACH = 14  # normal velocity v_0 of the contact point relative to the plate, at the touch
-LEAVING = 15  # the same as the force ends
+LEAVING = 15  # normal velocity of that point relative to the plate, as the force ends
 REGIME = 16  # SLIDING, SLIP_STICK or SLIP_REVERSAL of `codes`
 PUSHED = 17  # part of the steps in which another rod touched as well
 DEEPEST = 18  # overlap, d
@@ -59,7 +59,7 @@ _OPEN = 22
 
 
 class Record(NamedTuple):
-    """Finished touches, and those under way."""
+    """Rows of finished touches, and of touches under way."""
 
     rows: np.ndarray  # (capacity, WIDTH)
     count: np.ndarray  # type: ignore[assignment]  # (1,); a tuple has a method of this name
@@ -68,7 +68,7 @@ class Record(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """What is watched of a touch."""
+    """Quantities of one end's contact that `watched` follows."""
 
     overlap: float  # d
     force: float  # F_n, m g
@@ -78,7 +78,7 @@ class Seen(NamedTuple):
 
 
 def new_record(rods: int, capacity: int) -> Record:
-    """An empty record; at least two rows for each rod."""
+    """Create an empty record, with room for at least two rows for each rod."""
     under_way = np.zeros((rods, _OPEN))
     under_way[:, _LEFT] = np.nan
     rows = np.zeros((max(capacity, 2 * rods), WIDTH))
@@ -86,7 +86,7 @@ def new_record(rods: int, capacity: int) -> Record:
 
 
 def since_touch(record: Record, step: int) -> np.ndarray:
-    """Steps since the last touch of each rod, or since the start; 0 of one that touches."""
+    """Steps since the last touch of each rod, or since the start; 0 for a rod that touches."""
     left = np.nan_to_num(record.open[:, _LEFT])
     return np.where(record.watch[:, WATCH_TOUCHED] > 0, 0, step - left)
 
@@ -96,14 +96,14 @@ def since_touch(record: Record, step: int) -> np.ndarray:
 
 @kernel
 def seen(touch, plane):
-    """A touch as it is watched; `plane`: direction of x in space."""
+    """`Seen` of a `Touch`; `plane`: direction of x in space."""
     slip = along_plane(touch.half, plane)
     return Seen(touch.overlap, touch.kept.force, size(touch.kept.rub), slip, touch.rate)
 
 
 @kernel
 def along_plane(v, plane):
-    """Component of a vector along x of the plane."""
+    """Component of a vector along the x axis of the plane of a touch."""
     if len(v) == 2:
         return v[0]
     return v[0] * plane[0] + v[1] * plane[1]
@@ -111,7 +111,7 @@ def along_plane(v, plane):
 
 @kernel
 def at_limit(friction, touch):
-    """Whether friction is fully used; without friction there is nothing to use."""
+    """Whether friction is at its limit mu F_n, within rounding; without friction it always is."""
     if friction is None:
         return True
     return touch.rub >= NEARLY * friction.coefficient * touch.force
@@ -119,7 +119,7 @@ def at_limit(friction, touch):
 
 @kernel
 def stops(friction, touch):
-    """Whether a constraint ends the slip in this step: it needs less than all of the friction."""
+    """Whether friction as a constraint ends the slip in this step: it needs less than mu F_n."""
     if friction is None:
         return False
     return friction.spring is None and not at_limit(friction, touch)
@@ -137,7 +137,7 @@ def spent(plastic, touch, dt):
 
 @kernel
 def watched(watch, effects, lower, upper, dt):
-    """Add a step to the record of a contact; whether the contact is over."""
+    """Add a step to the numbers watched of a touch; return whether the touch is over."""
     touch = lower if lower.force >= upper.force else upper
     if spent(effects.normal.plastic, lower, dt) and spent(effects.normal.plastic, upper, dt):
         return watch[WATCH_TOUCHED] > 0
@@ -160,9 +160,10 @@ def watched(watch, effects, lower, upper, dt):
 
 @kernel
 def regime_of(stopped, stuck, turned):
-    """Regime of a contact; `stuck`, `turned`: normal impulses of the phases after its slip's stop.
+    """Regime of a contact: slide, or of the phase of larger normal impulse after the slip stopped.
 
-    The phase of the larger impulse names it.
+    `stopped`: whether the slip ever stopped; `stuck`, `turned`: normal impulses of the phases
+    after.
     """
     if not stopped:
         return SLIDING
@@ -174,7 +175,7 @@ def regime_of(stopped, stuck, turned):
 
 @kernel
 def full(record):
-    """Whether the record might not hold another step."""
+    """Whether the record may lack room for the touches that end in another step."""
     if record is None:
         return False
     return record.count[0] + record.open.shape[0] > record.rows.shape[0]
@@ -182,7 +183,7 @@ def full(record):
 
 @kernel
 def choose_plane(row, place, director):
-    """Choose the plane of a touch in space."""
+    """Choose the plane of a touch in space; store the direction of its x axis in the open row."""
     if len(place) == 3:
         x, y, a, b = place[0], place[1], director[0], director[1]
         if a == 0.0 and b == 0.0:
@@ -195,7 +196,7 @@ def choose_plane(row, place, director):
 
 @kernel
 def in_plane(rolling, velocity, turn, director, plane):
-    """(c_x, c_z, omega) in the plane."""
+    """Velocity (c_x, c_z, omega) of a rod in the plane of its touch."""
     if len(velocity) == 2:
         return velocity[0], velocity[1], turn[0]
     omega = turning(rolling, turn, director)
@@ -205,7 +206,7 @@ def in_plane(rolling, velocity, turn, director, plane):
 
 @kernel
 def motion_of(effects, rods, i, plane, cap, plate):
-    """(c_x, c_z, omega) of rod i in the plane, and how fast its end leaves the plate."""
+    """Velocity (c_x, c_z, omega) of rod i in the plane, and that of its end off the plate."""
     up = effects.up
     director, turn = director_of(up, rods, i), turn_of(up, rods, i)
     velocity, arm = velocity_of(up, rods, i), times(cap * effects.half_length, director)
@@ -215,7 +216,7 @@ def motion_of(effects, rods, i, plane, cap, plate):
 
 @kernel(inline=False)
 def ended(record, effects, rods, i, plate, step):
-    """Write the row of the touch of rod i."""
+    """Finish the touch of rod i: complete its row, store it, and clear what was watched."""
     row, watch, n = record.open[i], record.watch[i], record.count[0]
     plane = row[_PLANE], row[_PLANE + 1]
     motion, row[LEAVING] = motion_of(effects, rods, i, plane, row[CAP], plate)
@@ -235,14 +236,14 @@ def ended(record, effects, rods, i, plate, step):
 
 @kernel
 def cleared(record, effects, rods, i, plate, step):
-    """End the touch of a rod that is clear of the plate."""
+    """End the touch of a rod that is clear of the plate, if there is one under way."""
     if record is not None and record.watch[i, WATCH_TOUCHED] > 0:
         ended(record, effects, rods, i, plate, step)
 
 
 @kernel(inline=False)
 def begun(record, effects, rods, i, cap, a_z, plate, step):
-    """Start a row as rod i touches the plate."""
+    """Begin the row of a touch of rod i."""
     row = record.open[i]
     plane = row[_PLANE], row[_PLANE + 1]
     row[ROD], row[STEP], row[CAP] = i, step, cap
@@ -256,9 +257,9 @@ def begun(record, effects, rods, i, cap, a_z, plate, step):
 
 @kernel
 def recorded(record, effects, rods, i, pushed, touch, plate, clock):
-    """Follow the touch of a rod that the plate may press; `touch`: of its lower and upper cap.
+    """Follow the touch of a rod that the plate may press, if there is a record.
 
-    `pushed`: whether another rod or a wall pushes it.
+    `touch`: of its lower and upper cap; `pushed`: whether another rod or a wall pushes it.
     """
     if record is None:
         return
