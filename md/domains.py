@@ -1,7 +1,7 @@
-"""Values held to their types and domains, and the errors of this package.
+"""Values checked against their types and domains, and the errors of this package.
 
-A message names key, value and what is allowed. The two errors are those that a command foresees;
-any other is a mistake of this package.
+A message names key, value and what is allowed. A command foresees the two errors; any other is a
+mistake of this package.
 """
 
 import html
@@ -17,7 +17,7 @@ import numpy as np
 
 
 class InputError(ValueError, TypeError):
-    """An argument, a key or a file that is refused; the message names it, its value and its domain.
+    """Error for an argument, a key or a file that is refused; the message names value and domain.
 
     Both a `ValueError` and a `TypeError`, so that either catches it.
     """
@@ -26,9 +26,9 @@ class InputError(ValueError, TypeError):
 
 
 class RunError(RuntimeError):
-    """A run that cannot go on; `state` is the last good one.
+    """Error for a run that cannot go on; `state` is the last good one.
 
-    Of one impact it is (x, z, tilt, c_x, c_z, omega), of many rods the array of `Result.rods`.
+    For one impact it is (x, z, tilt, c_x, c_z, omega), for many rods the array of `Result.rods`.
     """
 
     exit_code = 1  # of the command that it ends
@@ -89,7 +89,7 @@ def listed(value: Any) -> list | None:
 
 
 def tabled(name: str, value: Any, needed: tuple[str, ...], also: tuple[str, ...] = ()) -> Mapping:
-    """`value` as a table that has all keys of `needed`, and at most those of `also` besides."""
+    """`value` as a table that has all keys of `needed`, and else at most keys of `also`."""
     if not isinstance(value, Mapping):
         raise InputError(f"{name} must be a table, got {value!r}")
     for key in value:
@@ -101,7 +101,7 @@ def tabled(name: str, value: Any, needed: tuple[str, ...], also: tuple[str, ...]
 
 
 def span(name: str, table: Mapping) -> tuple[float, float, bool]:
-    """Ends of a range of numbers, and whether they lie evenly in log.
+    """Ends of a range of numbers, and whether its numbers are evenly spaced in log.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ def span(name: str, table: Mapping) -> tuple[float, float, bool]:
 
 
 def held(name: str, value: Any, hint: Any) -> Any:
-    """`value` held to a type hint: a class, `Literal`, `Annotated[float, low, high]`, or None."""
+    """`value` checked against a hint: class, `Literal`, `Annotated[float, low, high]` or None."""
     kind, *allowed = get_args(hint) or (hint,)
     if NoneType in allowed:
         return None if value is None else held(name, value, kind)
@@ -133,7 +133,7 @@ def held(name: str, value: Any, hint: Any) -> Any:
 
 
 def fields_held(name: str, values: Any, kind: Any) -> Any:
-    """A named tuple, or a part of a scene, from values that are held to the hints of its fields."""
+    """Named tuple or part of a scene, from values checked against the hints of its fields."""
     fields, given = hints(kind), listed(values)
     if given is None or len(given) != len(fields):
         raise InputError(f"{name} must be {len(fields)} numbers, got {values!r}")
@@ -148,12 +148,12 @@ def hints(kind: Any) -> dict[str, Any]:
 
 
 def in_notebook(thing: object) -> str:
-    """What a notebook shows of a thing: its text; stands in a class as `_repr_html_`."""
+    """HTML of a thing for a notebook: its text; a class takes it as `_repr_html_`."""
     return f"<pre>{html.escape(str(thing))}</pre>"
 
 
 class Part:
-    """Part of a scene: the values of its fields are held to their types and domains."""
+    """Base of the parts of a scene: checks all fields against their types and domains."""
 
     def __post_init__(self) -> None:
         kind: Any = type(self)

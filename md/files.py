@@ -15,16 +15,16 @@ _KINDS = {"b": "device", "c": "device", "d": "folder", "p": "FIFO", "s": "socket
 
 
 class NotWritten(RuntimeWarning):
-    """Warning that an output file is not whole; the result is."""
+    """Warning that an output file is incomplete; the result itself is complete."""
 
 
 def warn(message: str) -> None:
-    """Warn in one line, without a place in the sources."""
+    """Warn in one line, without a place in the source code."""
     warnings.warn_explicit(message, RuntimeWarning, "md", 0)
 
 
 def same(one: str | Path, other: str | Path) -> bool:
-    """Whether two paths lead to one file, through links as well."""
+    """Whether two paths lead to the same file, through links as well."""
     one, other = (Path(os.path.realpath(path)) for path in (one, other))
     return one == other or (one.exists() and other.exists() and one.samefile(other))
 
@@ -70,7 +70,7 @@ def plain(path: str | Path) -> Path:
 
 
 def text_of(path: str | Path) -> str:
-    """Text of a plain file, with or without a mark of its encoding.
+    """Text of a plain UTF-8 file, with or without a byte order mark.
 
     Raises
     ------
@@ -89,7 +89,7 @@ def writable(
 ) -> None:
     """Refuse an output file that cannot be written, or that holds data of another kind.
 
-    Missing folders are no reason: they are made when the file is.
+    Missing folders are no reason to refuse it: they are made with the file.
 
     Parameters
     ----------

@@ -98,7 +98,7 @@ def stable_step(scene: Scene) -> tuple[float, float]:
 
 
 def step_of(scene: Scene) -> tuple[float, int]:
-    """Step in sqrt(d/g) and steps per period: the step asked for or a good one, a whole part.
+    """Step in sqrt(d/g), asked for or chosen, as a whole part of a period; and steps per period.
 
     Raises
     ------

@@ -189,12 +189,13 @@ LAWS: dict[str, Callable[..., Law]] = {
 def hertz_stiffness(
     young: float, poisson: float, density: float, length: float, diameter: float
 ) -> float:
-    """Stiffness k_n of rods on a plate of one material, in m g/d: key `stiffness` of a contact.
+    """Hertz' stiffness k_n, in m g/d, of rods on a plate of the same material.
 
-    Hertz' force (4/3) E* sqrt(R) delta^(3/2) of a cap of radius R = d/2 on a plane, with E* =
-    E/(2 (1 - nu^2)) of two equal bodies, over the weight of a uniform spherocylinder (K. L.
-    Johnson, Contact Mechanics, 1985, chapter 4). Softer contacts, as the paper's, are usual: they
-    last longer and take longer steps. Compare two stiffnesses to see what that does to a drift.
+    A value for the key `stiffness` of a contact: Hertz' force (4/3) E* sqrt(R) delta^(3/2) of a cap
+    of radius R = d/2 on a plane, with E* = E/(2 (1 - nu^2)) of two equal bodies, over the weight of
+    a uniform spherocylinder (K. L. Johnson, Contact Mechanics, 1985, chapter 4). Softer contacts,
+    as the paper's, are usual: they last longer and take longer steps. Compare two stiffnesses to
+    see what that does to a drift.
 
     Parameters
     ----------
@@ -370,7 +371,7 @@ class LowerEnd(NamedTuple):
 
 
 def lower_end(effects: Effects, tilt: float) -> LowerEnd:
-    """`LowerEnd` of a rod: lower cap, or lower corner, which the sign of a zero tilt chooses."""
+    """Lower cap or lower corner as `LowerEnd`; the sign of a zero tilt chooses the corner."""
     half = effects.half_length
     if effects.flat is None:
         return LowerEnd(half, 0.0, 0.5)

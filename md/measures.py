@@ -1,10 +1,10 @@
-"""What a run adds up over its touches and samples, a row a period, and means of it.
+"""Sums over the touches and samples of a run, period by period, and means with standard errors.
 
 A rod that leaves the plate slower than the plate rises is hit again at once. Flight lengths fall
 into two groups, below 0.1 and above 0.4 periods, so there are two kinds of mean: over every touch
-of the plate, and over touches merged into one landing where less than `HOP` lies between them. An
-annulus has the lean along it besides. Means of correlated series have the transient left out, are
-tested for a trend, and have standard errors.
+of the plate, and over touches merged into one landing where less than `HOP` lies between them. In
+an annulus the lean along it is measured as well. Means of correlated series leave out the
+transient, are tested for a trend, and have standard errors.
 """
 
 from math import inf, log, nan, pi, sqrt
@@ -18,27 +18,27 @@ from .kernels import touches as columns
 from .kernels.codes import SLIDING, SLIP_REVERSAL, SLIP_STICK
 from .scene import Scene
 
-_PARTS = 64  # of a period
-HOP = 0.2  # periods; a shorter flight does not part two landings
+_PARTS = 64  # of a period, in which touches are counted
+HOP = 0.2  # periods; a shorter flight does not separate two landings
 _MERGED = columns.WIDTH  # column behind those of a touch: how many touches a landing has
 
 
 def phase_at(time: Any) -> Any:
-    """Phase of the plate, rad, 0 to 2 pi, so many periods after the start, at its lowest point."""
+    """Phase of the plate, rad, 0 to 2 pi, `time` periods after a start at its lowest point."""
     return 2 * pi * ((time - 0.25) % 1)
 
 
 def wedged_periods(scene: Scene) -> float:
     """Periods without a touch after which a rod counts as wedged: 20 flights that begin at V_0.
 
-    Rods of rings that do not wedge, 23 to 56 rods, touch again within 6 such flights; of 54 rods
+    In annuli of 23 to 56 rods, rods that do not wedge touch again within 6 such flights; of 54 rods
     that wedged, 46 never did.
     """
     return 20 * max(scene.plate.acceleration / pi, 1.0) if scene.plate else inf
 
 
 def quantities(rows: np.ndarray, per: int, speed: float) -> dict[str, Any]:
-    """What is summed over the touches or landings of a period, by name.
+    """Quantities that are summed over the touches or landings of a period, by name.
 
     Parameters
     ----------
@@ -72,7 +72,8 @@ _AFTER = [f"{name}_after" for name in ("c_x", "c_z", "omega")]
 SUMS = tuple(quantities(np.zeros((0, _MERGED + 1)), 1, 1.0))
 _BOTH = "plate_velocity", *_BEFORE, *_AFTER, "flight_periods", "falling"
 _OF_TOUCHES = "contact_periods", "slide", "slip_stick", "slip_reversal", "pushed_by_others"
-# Quotients of sums: over the touches, or the landings, unless it says otherwise.
+# Means as quotients of two sums, by name; the second is the number of touches or landings if
+# nothing else is said.
 MEANS = {name: (name, "count") for name in (*_BOTH, *_OF_TOUCHES)} | {
     "plate_velocity_by_speed": ("pushing", "approach"),  # each touch counts as its v_0
     "restitution": ("leaving", "approach"),  # of all touches together
@@ -81,13 +82,13 @@ OF_LANDINGS = {name: (name, "count") for name in (*_BOTH, "touches")}
 
 
 def merged(rows: np.ndarray, shortest: float) -> tuple[np.ndarray, np.ndarray]:
-    """Landings from touches: finished ones in the order of their end, and landings still under way.
+    """Merge touches into landings: finished ones in the order of their end, and unfinished ones.
 
     A landing has the row of its first touch, with the velocities after the last one.
 
     Parameters
     ----------
-    rows : (n, WIDTH + 1) as they came; of each rod in the order of time
+    rows : (n, WIDTH + 1), touches as they came; those of one rod in the order of time
     shortest : steps; a touch that follows sooner belongs to the landing before
     """
     if not len(rows):
@@ -106,7 +107,7 @@ def merged(rows: np.ndarray, shortest: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 class Tables:
-    """Samples of each period, and what is added up over its touches.
+    """Tables of a run: samples of each period, and sums over its touches and landings.
 
     In an annulus all errors are unknown: rods keep their arrangement, another one at each start.
 
@@ -126,19 +127,19 @@ class Tables:
         self.under_way = np.zeros((0, _MERGED + 1))  # landings that may not be over
 
     def arrays(self, periods: int) -> dict[str, np.ndarray]:
-        """All that a checkpoint needs, by name."""
+        """Arrays that a checkpoint needs, by name."""
         of_period = {name: rows[: periods + 1] for name, rows in self.of_period.items()}
         return of_period | {"last": self.series.last, "under_way": self.under_way}
 
     def restore(self, arrays: dict[str, np.ndarray]) -> None:
-        """Restore from the arrays of a checkpoint, which are taken out."""
+        """Restore the tables from the arrays of a checkpoint, which are removed from it."""
         self.under_way = arrays.pop("under_way")
         for name, array in (self.of_period | {"last": self.series.last}).items():
             part = arrays.pop(name)
             array[: len(part)] = part
 
     def drift(self, periods: int) -> np.ndarray:
-        """Mean drift of each period made; in an annulus around it, at its middle radius."""
+        """Mean drift in each period, sqrt(g d); in an annulus around it, at its middle radius."""
         engine, length = self.engine, self.engine.dt * self.per
         if self.annulus is not None:
             return self.series.rows[:periods, codes.ADVANCE] * self.annulus.middle / length
@@ -148,27 +149,33 @@ class Tables:
         return np.diff(places) / length
 
     def fell(self, periods: int) -> np.ndarray:
-        """Rods that fell over in each period made; it is not counted in an annulus."""
+        """Number of rods that fell over in each period; in an annulus zeros: it is not counted."""
         if self.annulus is not None:
             return np.zeros(periods)
         return self.series.rows[:periods, codes.FELL].copy()
 
     def error(self, series: np.ndarray) -> float:
-        """Standard error of the mean of one value a period."""
+        """Standard error of the mean of a series with one value a period; nan in an annulus."""
         return nan if self.annulus else standard_error(series)
 
     def tilt_deg(self, periods: int) -> np.ndarray:
-        """Mean tilt of each period made."""
+        """Mean tilt in each period, in degrees."""
         part = self.series.rows[:periods]
         return np.degrees(part[:, codes.TILT_SUM] / part[:, codes.SAMPLED])
 
     def quotient(self, over: np.ndarray, under: np.ndarray) -> dict[str, float]:
-        """Quotient of two sums, given period by period, and its standard error."""
+        """Quotient of two sums over all periods, and its standard error; nan in an annulus.
+
+        `over`, `under`: numerator and denominator, one value a period.
+        """
         mean, stderr = ratio(over, under)
         return {"mean": mean, "stderr": nan if self.annulus else stderr}
 
     def results(self, first: int, periods: int) -> dict[str, Any]:
-        """What a `Result` tells of the periods behind the transient but for drift and tilt."""
+        """Fields of a `Result` but for drift and tilt, from periods `first` to `periods`.
+
+        These are the periods behind the transient.
+        """
         found: dict[str, Any] = dict.fromkeys(("touches", "landings", "annulus"))
         found |= {"turned": {}, "phases": []}
         if self.engine.record is not None:
@@ -186,7 +193,7 @@ class Tables:
         return found
 
     def add(self, rows: np.ndarray) -> None:
-        """Add touches as they end."""
+        """Add finished touches to the sums, and the landings that they finish."""
         rows = np.column_stack([rows, np.ones(len(rows))])
         over, self.under_way = merged(np.concatenate([self.under_way, rows]), HOP * self.per)
         self._sum(1, over)
@@ -194,7 +201,10 @@ class Tables:
         np.add.at(self.phases, (period, part * _PARTS // self.per), 1)
 
     def _sum(self, kind: int, rows: np.ndarray) -> np.ndarray:
-        """Add touches or landings, but those with which a rod may have begun; their steps."""
+        """Add touches or landings to the sums, but the first of each rod; return their steps.
+
+        A rod may have begun with its first one: there is no flight before it.
+        """
         rows = rows[np.isfinite(rows[:, columns.FLIGHT])]
         step = rows[:, columns.STEP].astype(int)
         table = np.array([*quantities(rows, self.per, self.speed).values()], float).T
@@ -208,12 +218,15 @@ class Tables:
         return {name: self.quotient(part[top], part[base]) for name, (top, base) in pairs.items()}
 
     def cycle(self, first: int, last: int) -> list[int]:
-        """Touches over the plate's cycle; a run begins at its lowest place, a quarter before."""
+        """Number of touches in each part of the plate's cycle, from where the plate rises fastest.
+
+        A run begins at the plate's lowest place, a quarter of a cycle before.
+        """
         counts = self.phases[first:last].sum(axis=0, dtype=np.int64)
         return np.roll(counts, -(_PARTS // 4)).tolist()
 
     def _wedged(self) -> float:
-        """Share of rods that have long not touched the plate at the end; nan without a record."""
+        """Share of rods wedged at the end, which have long not touched; nan without a record."""
         engine = self.engine
         if engine.record is None:
             return nan
@@ -222,12 +235,12 @@ class Tables:
 
 
 FEWEST = 100  # values for a standard error
-TREND = 0.743  # of `trend`; of long stationary series, one in a hundred is above
+TREND = 0.743  # value of `trend` that one in a hundred long stationary series exceeds
 # Chance below which starts that differ are in different states, of rows and of annuli, where each
 # start has an arrangement of its own.
 UNLIKELY = 1e-3, 5e-2
-_BLOCKS = 8  # of counts whose order tells a trend
-_ORDERED = 19  # of 28 pairs, ordered less reversed ones; of steady counts, one in 70 is above
+_BLOCKS = 8  # of counts, whose order tells a trend
+_ORDERED = 19  # of 28 pairs of blocks, rising less falling ones; one in 70 steady counts exceeds it
 _ROUNDING = 1e-12  # smaller standard errors are rounding
 
 
@@ -239,11 +252,11 @@ def transient(periods: int) -> int:
 def standard_error(series: np.ndarray) -> float:
     """Standard error of the mean of a correlated, stationary series; nan below `FEWEST` values.
 
-    The spectral density at frequency zero of an autoregressive model over the number of values
-    (Heidelberger and Welch, 1981). The model is fitted by Yule and Walker's equations up to the
-    order 10 log10(n), and the order with the smallest Akaike criterion is taken. A change of state
-    that is rarer than once in the series goes unseen: only independent starts show it. What a
-    series makes up for later, in small parts over many values, is taken for scatter.
+    Its square is the spectral density at frequency zero of an autoregressive model over the number
+    of values (Heidelberger and Welch, 1981). The model is fitted by Yule and Walker's equations up
+    to the order 10 log10(n), and the order with the smallest Akaike criterion is taken. A change of
+    state that is rarer than once in the series goes unseen: only independent starts show it. A
+    deviation that later values make up for, in small parts over many of them, counts as scatter.
     """
     series = np.asarray(series, float)
     n = len(series)
@@ -284,8 +297,8 @@ def trend(series: np.ndarray) -> float:
 def steady(counts: np.ndarray) -> bool:
     """Whether events come at a steady rate.
 
-    Not if their counts trend, nor if they rise or fall from block to block (Mann, 1945): a rate
-    that grows from nothing has an error as large as itself, by which `trend` excuses it.
+    They do not if their counts trend, nor if these rise or fall from block to block (Mann, 1945): a
+    rate that grows from nothing has an error as large as itself, so that `trend` misses it.
 
     Parameters
     ----------
@@ -301,11 +314,11 @@ def settled(first: int, series: np.ndarray, events: np.ndarray | None = None) ->
 
     Parameters
     ----------
-    first : the fewest to leave out; more by tenths of the series
+    first : least number of values to leave out; tenths of the series are added to it
     series : with its transient
-    events : counts beside it, whose rate is to be steady as well
+    events : counts in the same periods, whose rate is to be steady as well
 
-    A cut that is free, as that of MSER-5, keeps the part that looks constant, and standard errors
+    A freely chosen cut, as that of MSER-5, keeps the part that looks constant, and standard errors
     come out too small; this one is the first of at most six.
     """
     n = len(series)

@@ -1,4 +1,4 @@
-"""Keys of a scene in cm and cm/s, each for a key in its own units; units of all that is measured.
+"""Keys of a scene in cm and cm/s, each for a key in reduced units; units of measured quantities.
 
 A length or a speed needs `rods.diameter_cm` beside it; an amplitude or a peak velocity of the plate
 stands for its acceleration, and needs `plate.frequency_hz`. All are converted once, when the tables
@@ -30,13 +30,13 @@ if TYPE_CHECKING:
 GRAVITY_CM = 981.0  # cm/s^2
 Diameter = Annotated[float, 1e-6, 1e6]
 Frequency = Annotated[float, 1e-3, 1e6]
-SCALES = {"rods.diameter_cm": Diameter, "plate.frequency_hz": Frequency}  # measure other keys
+SCALES = {"rods.diameter_cm": Diameter, "plate.frequency_hz": Frequency}  # units of other keys
 
 
 class Twin(NamedTuple):
     """Meaning of a key in cm or cm/s."""
 
-    key: str  # for which it stands, in the scene's own units
+    key: str  # key for which it stands, in reduced units
     scale: str  # key that it needs beside it
     unit: Callable[[float], float]  # one unit of `key` in cm or cm/s, given the scale
 
@@ -68,31 +68,31 @@ TWINS = {
 
 
 def rivals(key: str) -> list[str]:
-    """Keys that say the same as a key, and cannot stand beside it."""
+    """Other keys for the same quantity, which cannot stand beside a key."""
     own = TWINS[key].key if key in TWINS else key
     same = own, *(name for name, twin in TWINS.items() if twin.key == own)
     return [name for name in same if name != key]
 
 
 def _value(tables: Mapping, key: str) -> Any:
-    """Value of a dotted key; None without one."""
+    """Value of a dotted key; None if there is none."""
     part, _, name = key.partition(".")
     table = tables.get(part)
     return table.get(name) if isinstance(table, Mapping) else None
 
 
 def reduced(tables: Mapping) -> tuple[dict, dict[str, str]]:
-    """Tables of a scene in its own units.
+    """Tables of a scene in reduced units, converted from cm and cm/s.
 
     Returns
     -------
-    The tables, and by the keys that were converted the words that say how they were given.
+    The tables, and for each converted key a text that says how it was given.
 
     Raises
     ------
     ValueError, TypeError
-        If a key stands beside one that says the same or without the one that it needs, or a value
-        is out of its domain.
+        If two keys say the same, a key lacks the one that it needs, or a value is out of its
+        domain.
     """
     changed, said = deepcopy(dict(tables)), {}
     for name, (key, scale, unit) in TWINS.items():
@@ -113,7 +113,7 @@ def reduced(tables: Mapping) -> tuple[dict, dict[str, str]]:
 
 
 def in_cm(tables: Mapping) -> dict[str, float]:
-    """Values of the keys in cm and cm/s, from tables in a scene's own units (`scene.as_dict`)."""
+    """Values of the keys in cm and cm/s, from tables in reduced units (`scene.as_dict`)."""
     return {
         name: value * unit(_value(tables, scale))
         for name, (key, scale, unit) in TWINS.items()
@@ -123,13 +123,13 @@ def in_cm(tables: Mapping) -> dict[str, float]:
 
 @cache
 def _measured() -> dict[str, tuple[str, str]]:
-    """Unit and long name of all that is measured, by its name."""
+    """Unit and long name of each measured quantity, by its name."""
     tables = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
     return {name: (unit, text) for unit, names in tables.items() for name, text in names.items()}
 
 
 def error_of(name: str) -> str:
-    """Name of the standard error of a result; the same name where there is none."""
+    """Name of the standard error of a result; the name itself if there is none."""
     return re.sub("^(c_x|tilt)(?=(_cm_s|_deg)?$)", r"\1_stderr", name.replace(".mean", ".stderr"))
 
 
