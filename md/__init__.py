@@ -52,21 +52,21 @@ kernels/neighbours                  compiled: closest points of rods; which rods
 kernels/batch, pairs, walls         compiled: contacts side by side, of rods, with walls
 kernels/plate, touches, single      compiled: a rod on the plate; its touches; one rod alone
 reference, soft_impact              `impact`: every switch located, or fixed steps
-host, placement                     a scene under way: constants and arrays of the kernels
-measures, records                   what a run measures, with errors; its touches one by one
-result                              what it measured, as numbers and as text
+host, placement                     the engine of a scene: arrays of the kernels, initial places
+measures, records                   means and errors of a run; its touches one by one
+result                              the result of a run, as numbers and as text
 simulation, trajectory, files       a run: periods, checkpoints, frames, files
 accuracy                            `run`: step and length from a tolerance
 sweep, store                        many runs and their results; what a store's columns are
 search                              parameters from measured results, by many runs
 early_signals, interrupt            signals during imports, and during compiled code
-cache                               compiled kernels kept; what decides whether a run is stale
+cache                               stored compiled kernels; what decides whether a run is stale
 command_line, __main__              the commands
 
 To add a contact law: `md.laws`. To add an effect: `md.kernels`.
 """
 
-from . import early_signals  # noqa: F401  (before what takes long)
+from . import early_signals  # noqa: F401  (before slow imports)
 
 # isort: split
 from importlib import import_module
@@ -122,7 +122,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """Version, and modules that need joblib or SciPy's statistics: found only when asked for."""
+    """Load the version, and modules that need joblib or SciPy's statistics, only when asked for."""
     if name == "__version__":
         return version("rod-impact")
     if name in ("records", "search", "store", "sweep"):

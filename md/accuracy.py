@@ -2,9 +2,9 @@
 
 A contact lasts `STEPS_PER_CONTACT` steps, whatever the scene. The error of the drift has two parts,
 which add in squares. The statistical one is estimated as the starts go on. The bias of the step is
-a flat `ALLOWANCE`, which `tests/test_allowance.py` measures over drawn scenes; where the tolerance
-is too small for that, the law is somebody's own, or it is asked for, as many starts again take
-steps twice as long, and the bias follows from the difference.
+a flat `ALLOWANCE`, which `tests/test_allowance.py` measures over drawn scenes. Where the tolerance
+is too small for that, the law is a user's own, or it is asked for, as many starts again take steps
+twice as long, and the bias follows from the difference.
 """
 
 from collections.abc import Callable
@@ -35,9 +35,10 @@ DOMAINS = {
     "floor": (1e-12, 1e12),
     "max_seconds": (1e-3, 1e9),
 }
-# Of the drift, for the bias at so many steps; on 2026-11-23 that was -0.01(11) % on average over 21
-# drawn rows against steps a third as long, and two standard deviations of it below 0.44 %. Annuli
-# take the same; of one, whose starts still trended, it was -3(3) %, which tells nothing.
+# Part of the drift allowed for the bias of the step. On 2026-11-23 the bias was -0.01(11) % on
+# average over 21 drawn rows against steps a third as long, and two standard deviations of it below
+# 0.44 %. Annuli take the same allowance; of one, whose starts still trended, the bias was -3(3) %,
+# which tells nothing.
 ALLOWANCE = 0.005
 CONFIDENCE = 0.95
 FLOOR = 0.05  # of the plate's peak velocity: slower drifts are judged as if they were this fast
@@ -47,7 +48,7 @@ MOST_STARTS = 64
 MOST_PERIODS_OF_A_START = 10**6
 FIRST_LOOK = 320  # periods
 GROWTH = 1.1, 2.0  # least and largest, of the starts from one look to the next
-UNSETTLED = 1.5  # growth of starts that have not settled
+UNSETTLED = 1.5  # growth of starts from one look to the next while they have not settled
 CUT = 150, 400  # least and most periods that are left out at the start, of a fifth, if settled
 SLOWER = 2  # an annulus settles so many times slower than a row
 PER_FREEDOM = 30  # periods that tell as much of a standard error as one independent number
@@ -56,18 +57,18 @@ MEASURED_PRICE = 3.0  # of a bias that is measured: longer steps besides, and it
 
 
 class History(NamedTuple):
-    """One start, period by period."""
+    """Drift and falls of one start, period by period."""
 
-    drift: np.ndarray
-    fell: np.ndarray  # rods that fell over
+    drift: np.ndarray  # sqrt(g d)
+    fell: np.ndarray  # number of rods that fell over
 
     def part(self, first: int, last: int | None = None) -> "History":
-        """Some of the periods."""
+        """Periods `first` to `last`, the latter excluded."""
         return History(self.drift[first:last], self.fell[first:last])
 
 
 class Interval(NamedTuple):
-    """Mean drift of one or several starts behind their transients, and how sure it is."""
+    """Mean drift of one or more starts behind their transients, with its interval, in sqrt(g d)."""
 
     mean: float
     half: float  # of the interval
@@ -78,7 +79,7 @@ class Interval(NamedTuple):
 
 
 def slower(annulus: bool) -> int:
-    """How many times slower than a row the rods settle."""
+    """Factor by which rods settle slower than in a row: `SLOWER` in an annulus, else 1."""
     return SLOWER if annulus else 1
 
 
@@ -89,16 +90,17 @@ def interval(
 
     The standard error is that of `measures.standard_error`, of an autoregressive model, whose
     variance is as uncertain as that of n/(2 order) independent numbers. A start whose drift or
-    whose rate of falls trends (`measures.settled`) counts from its middle. There, and wherever
-    rods fall over, by which a drift may decay slowly, the change between the halves is an error as
-    well. Where starts differ by more than the errors explain, the scatter between them is the
-    error.
+    whose rate of falls trends (`measures.settled`) counts from its middle. For such starts, and
+    wherever rods fall over, so that the drift may decay slowly, the change between the halves is an
+    error as well. Where starts differ by more than the errors explain, the scatter between them is
+    the error.
 
     Parameters
     ----------
     starts : at least one
     confidence : of the interval
-    annulus : whether the rods are in one: it settles later, and starts differ sooner
+    annulus : whether the rods are in an annulus, which settles later, and where starts differ
+        sooner
     """
     least, most = (slower(annulus) * cut for cut in CUT)
     calm, rest = True, []
@@ -132,12 +134,12 @@ def interval(
 
 
 class Estimate(NamedTuple):
-    """Drift of the scene, without the bias of the step; velocities."""
+    """Estimated drift of a scene without the bias of the step, and its errors, in sqrt(g d)."""
 
     mean: float
-    statistical: float  # half of the interval, of statistics alone
-    bias: float  # taken off
-    bias_error: float  # half of its interval
+    statistical: float  # half of the statistical interval
+    bias: float  # taken off the drift
+    bias_error: float  # half of the interval of the bias
     chance: float
     settled: bool
     fell: int
@@ -149,15 +151,16 @@ class Estimate(NamedTuple):
 
 
 def allowed(fine: Interval) -> Estimate:
-    """By the flat allowance."""
+    """`Estimate` with the flat allowance for the bias of the step."""
     error = ALLOWANCE * abs(fine.mean)
     return Estimate(fine.mean, fine.half, 0.0, error, fine.chance, fine.settled, fine.fell)
 
 
 def measured(fine: Interval, coarse: Interval) -> Estimate:
-    """By starts with steps twice as long, which change the drift by c.
+    """`Estimate` with the bias measured by starts with steps twice as long.
 
-    The bias is c if it goes as the step, and c/3 if as its square: 2c/3 +- c/3.
+    If these change the drift by c, the bias is c if it goes as the step, and c/3 if as its square:
+    2c/3 +- c/3.
     """
     change = coarse.mean - fine.mean if isfinite(coarse.mean) else 0.0  # interrupted at the start
     bias = 2 / 3 * change
@@ -180,11 +183,11 @@ class _Goal:
     confidence: float = CONFIDENCE
     floor: float = 0.0
     max_seconds: float = MAX_SECONDS
-    starts: int = STARTS  # with one step; of a bias that is measured, as many have longer ones
+    starts: int = STARTS  # with the fine step; if the bias is measured, as many have longer ones
     annulus: bool = False
     over: bool = False
     needed: float = nan  # seconds in all
-    end: float = inf  # by the clock; it holds once the first look is made
+    end: float = inf  # time of the clock at which to end; set by the first look
 
     @property
     def first(self) -> int:
@@ -200,7 +203,7 @@ class _Goal:
 
     @property
     def size(self) -> float:
-        """Velocity that errors are relative to."""
+        """Velocity to which errors are relative: |drift|, or the floor if that is larger."""
         return max(abs(self.found.mean), self.floor)
 
     @property
@@ -209,7 +212,7 @@ class _Goal:
         return self.found.settled and self.found.error <= self.tolerance * self.size
 
     def judge(self, histories: list[History], seconds: float) -> int:
-        """Whether it is over, and if not, how many periods each start is to make for the next look.
+        """Judge whether the goal is over; return the periods of each start by the next look.
 
         Starts are judged by as many periods each.
         """
@@ -229,7 +232,7 @@ class _Goal:
 
 
 def _together(runs: list[Run], periods: int, stop: Callable[[], bool]) -> None:
-    """March all runs until each has made so many periods, one a thread; one that fails ends all."""
+    """March all runs until each has made `periods`, each in its thread; one that fails ends all."""
     failed = Event()
 
     def march(running: Run) -> None:
@@ -245,7 +248,7 @@ def _together(runs: list[Run], periods: int, stop: Callable[[], bool]) -> None:
 
 
 def pursued(goal: _Goal, runs: list[Run]) -> Result:
-    """March the starts until the goal is over; the result of the first one."""
+    """March the starts until the goal is over; return the result of the first one."""
     with ExitStack() as stack:
         for running in runs:
             stack.enter_context(running)
@@ -277,7 +280,7 @@ def steps_per_contact(scene: Scene, dt: float) -> float:
 
 
 def stepped(scene: Scene, tolerance: float, *, measure_bias: bool = False) -> tuple[Scene, bool]:
-    """The scene with the step that a tolerance takes, and whether its bias is measured.
+    """Scene with the step for a tolerance, and whether the bias of the step is to be measured.
 
     A bias that is measured is known to about a third of itself: below the allowance the step
     shrinks with the tolerance.
@@ -360,7 +363,7 @@ def run(
 
 
 def starts_of(scene: Scene, starts: int, doubled: bool, options: dict[str, Any]) -> list[Run]:
-    """Runs of a scene from other seeds; where `doubled`, as many again with steps twice as long.
+    """Runs of a scene from several seeds; if `doubled`, as many again with steps twice as long.
 
     The options, as those of `simulation.run`, are for the first one; `ledger` is for all.
     """
@@ -379,7 +382,7 @@ def starts_of(scene: Scene, starts: int, doubled: bool, options: dict[str, Any])
 
 
 def checked(*, periods: int | None = None, **options: float | None) -> None:
-    """Hold the options of a tolerance to their domains."""
+    """Check the options of a run with a tolerance against their domains."""
     if periods is not None:
         raise InputError("periods has no meaning with tolerance, which chooses the length")
     if "tolerance" not in options:
@@ -390,7 +393,7 @@ def checked(*, periods: int | None = None, **options: float | None) -> None:
 
 
 def _accuracy(goal: _Goal, result: Result) -> Accuracy:
-    """What a goal has found."""
+    """`Accuracy` of a goal that is over."""
     found, tenth = goal.found, goal.tolerance / 10
     state = "reached" if goal.reached else "not reached" if found.settled else "not settled"
     longer = (found.statistical / goal.size / tenth) ** 2

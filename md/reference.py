@@ -1,9 +1,9 @@
 """One contact to the last digits: adaptive DOP853 with every switch located as an event.
 
 Between switches (touch, slip, stick, slip back, end of the force) the equations are smooth and the
-method has its full eighth order; each switch is found by integrating up to it. What is integrated
-are displacements since the touch, so that the overlap keeps its digits. The velocities in all
-forces are those of the moment itself.
+method has its full eighth order; each switch is found by integrating up to it. The unknowns are
+displacements since the touch, so that the overlap keeps its digits. The velocities in all forces
+are those of the moment itself.
 """
 
 from collections.abc import Sequence
@@ -21,7 +21,7 @@ from .kernels.single import plate_after, rates
 from .kernels.state import Effects
 from .laws import height_of_second, lower_end
 
-_SWITCHES = 10_000  # of one contact; a soft spring that rattles at the force's end makes hundreds
+_SWITCHES = 10_000  # of one contact at most; a soft spring that rattles at the end makes hundreds
 LARGE = 1e4  # friction beyond which the slip stops too soon after the touch to be followed
 
 
@@ -39,21 +39,21 @@ class Vibration(NamedTuple):
 
 
 class Contact(NamedTuple):
-    """What one contact did; durations and normal impulses of its phases (see `codes`)."""
+    """Outcome of one contact; durations and normal impulses of its phases (see `codes`)."""
 
     position: Sequence[float] | np.ndarray  # x, z, tilt at the end
     velocity: Sequence[float] | np.ndarray  # c_x, c_z, omega
-    durations: Sequence[float] | np.ndarray
-    impulses: Sequence[float] | np.ndarray
+    durations: Sequence[float] | np.ndarray  # of the phases, sqrt(d/g)
+    impulses: Sequence[float] | np.ndarray  # normal impulses of the phases, m sqrt(g d)
     stopped: bool  # whether the slip stopped at all
     deepest: float  # overlap, d
     evaluations: int  # of the forces
-    end: float  # time since the touch
+    end: float  # of the force, time since the touch, sqrt(d/g)
     seconds: float  # run time, without compilation
 
 
 class _Contact:
-    """The equations of one contact in one mode after the other, with a count of evaluations.
+    """Equations of motion of one contact, mode after mode, with a count of evaluations.
 
     They are integrated over s with t = s^4: the overlap starts as t, so that its roots in the
     force, delta^(3/2) and delta^(1/4), are smooth functions of s where they are not of t.
@@ -67,7 +67,7 @@ class _Contact:
         speed: float,
         tolerance: float,
     ):
-        end = lower_end(effects, tilt)  # a corner is a cap of no radius that leans otherwise
+        end = lower_end(effects, tilt)  # a corner is a cap of radius 0 at another tilt
         lean, height = tilt + end.offset, -end.arm(tilt)[1]
         assert effects.normal is not None
         longer = effects._replace(half_length=end.reach)
@@ -88,12 +88,12 @@ class _Contact:
         return 4 * s**3 * out
 
     def signals(self, s: float, y: np.ndarray) -> tuple[float, float, float, float]:
-        """What falls to zero at the force's end, the mode's and the slip's first stop; overlap."""
+        """Signals that fall to zero as the force, the mode, the first slip ends; the overlap."""
         left, spare, overlap, slip = rates(*self.setting, self.mode, s**4, y, np.empty(8))
         return left, spare - self.rest, self.side * slip, overlap
 
     def choose(self, s: float, y: np.ndarray) -> None:
-        """The mode that follows: stick where friction can hold, else the way that it gives."""
+        """Choose the next mode: stick where friction can hold, else slip the way that it gives."""
         if self.friction is None:
             return
         before, self.mode = self.mode, STICK
@@ -107,13 +107,13 @@ class _Contact:
             rub = out[3] - (self.gravity[0] if self.gravity else 0.0)
             self.mode = BACK if rub > 0 else FORWARD
         self.rest = 0.0
-        self.rest = min(self.signals(s, y)[1], 0.0)  # a mode begins at zero, but for its location
+        self.rest = min(self.signals(s, y)[1], 0.0)  # error of the location where a mode begins
 
     def solver(self, s: float, y: np.ndarray, end: float = np.inf, **steps: float) -> DOP853:
         return DOP853(self.derivative, s, y, end, **steps, **self.accuracy)
 
     def stepped(self, s: float, y: np.ndarray, end: float) -> np.ndarray:
-        """State at `end`, at most a step away."""
+        """State at `end`, integrated from s, at most one step away."""
         if not end > s:
             return y
         solver = self.solver(s, y, end, first_step=end - s)
@@ -122,7 +122,7 @@ class _Contact:
         return solver.y
 
     def located(self, solver: DOP853, which: int, end: float) -> tuple[float, np.ndarray]:
-        """Place and state at which signal `which` falls to zero in the step just made.
+        """Place s and state at which signal `which` falls to zero in the step just made.
 
         A mode may begin where its signal is zero: the zero wanted is a later one.
         """
@@ -147,9 +147,9 @@ class _Contact:
     def first(
         self, solver: DOP853, signals: tuple[float, ...], others: tuple[int, ...]
     ) -> tuple[float, np.ndarray, int]:
-        """Place, state and number of the signal that is the first to fall to zero in a step.
+        """Place s, state and number of the signal that is the first to fall to zero in a step.
 
-        Beyond the end of the force the other signals say nothing.
+        Beyond the end of the force the other signals have no meaning.
         """
         end, places = solver.t, []
         if signals[0] < 0:

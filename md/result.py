@@ -1,4 +1,4 @@
-"""What a run measured: numbers, and the text that the command prints of them."""
+"""Result of a run: its numbers, and the text that the command prints of them."""
 
 from dataclasses import asdict, dataclass
 from math import isfinite, isnan
@@ -16,31 +16,32 @@ from .units import in_cm, labelled
 if TYPE_CHECKING:
     from xarray import Dataset
 
-NOTHING = 1e-6  # of the plate's peak velocity: a slower drift is none
+NOTHING = 1e-6  # of the plate's peak velocity: a slower drift counts as zero
 SETTLING = 400  # periods; rods in an annulus rearrange for two hundred (Fig. 5)
 
 
 @dataclass(frozen=True)
 class Accuracy:
-    """Error of a drift, and what it cost; velocities in sqrt(g d), absolute.
+    """Error of a drift, and what it cost; velocities are absolute, in sqrt(g d).
 
     tolerance : asked for, of |c_x| or of the floor, whichever is larger
     confidence : of the interval
     floor : drifts below it are judged as if they were this fast
     error : half of the interval that holds the true drift with this confidence
-    statistical : what of it is statistical; it and `bias_error` add in squares
+    statistical : statistical part of the error; it and `bias_error` add in squares
     bias : of the step, which is taken off the drift
-    bias_error : half of its interval
-    bias_measured : whether by starts with steps twice as long; else it is a flat allowance
-    per_contact : steps a contact
-    starts, made : that were run, and their periods in all
+    bias_error : half of the interval of the bias
+    bias_measured : whether the bias was measured, by starts with steps twice as long; else it is a
+        flat allowance
+    per_contact : steps in the shortest contact
+    starts, made : number of starts that were run, and their periods in all
     chance : that starts differ as they do if they are in one state
     fell : rods that fell over behind the transients, of all starts
     state : "not settled" if the drift of a start still trends, or the rate at which its rods fall
         over; else "reached" if error <= tolerance max(|c_x|, floor), else "not reached"
     seconds : of the run, without compiling
     needed_seconds, next_digit_seconds : estimated for this tolerance, nan where the pace is not
-        known, and for a tenth of it
+        known, and for a tenth of the tolerance
     """
 
     tolerance: float
@@ -64,34 +65,35 @@ class Accuracy:
 
 @dataclass(frozen=True, repr=False)
 class Result:
-    """What a run measured; velocities in sqrt(g d) unless the name says cm/s.
+    """Result of a run; velocities in sqrt(g d) unless the name says cm/s.
 
     As text, and in a notebook, it is what the command prints.
 
-    scene : that ran
+    scene : scene of the run
     c_x, tilt_deg : means over rods and over the periods behind the transient; in an annulus c_x is
         the velocity around it at its middle radius
     c_x_stderr, tilt_stderr_deg : their standard errors, as `measures.standard_error`; nan where
         one run cannot tell: below 124 periods, and in an annulus, where starts differ
-    periods : that were made
+    periods : number of periods that were made
     discarded : periods of the transient, a fifth of the run
     steps_per_period, dt : the step, in sqrt(d/g)
     run_seconds, compile_seconds : of the clock, s
-    energy : work of the plate and of shaken walls, losses by kind, change and what is left over, in
-        m g d; None if not asked
+    energy : work of the plate and of shaken walls, losses by kind, change and residual, in m g d;
+        None if not asked for
     touches : mean and standard error over all touches of the plate of each quantity of
         `measures.MEANS`, and touches per rod and period; None without a plate
-    landings : those of `measures.OF_LANDINGS`, touches less than `measures.HOP` periods apart
-        merged into one landing; None without a plate
+    landings : the same for the quantities of `measures.OF_LANDINGS`, touches less than
+        `measures.HOP` periods apart merged into one landing; None without a plate
     annulus : mean lean along the annulus, `lean_deg`, and the share of the rods that are wedged
         between the walls at the end, `wedged`; None in a row
     turned : times that a rod fell past the horizontal, and passed the vertical
     phases : touches behind the transient in each of 64 equal parts of the plate's cycle, which
         begins where it rises through its mean height; empty without a plate
-    c_x_series, tilt_series, fell_series : period by period, transient included; rods that fell over
+    c_x_series, tilt_series, fell_series : drift, tilt in degrees and number of rods that fell over,
+        period by period, transient included
     rods : x, z, sin and cos of the tilt at the end; c_x, c_z, omega half a step before
     finished : False if the run was interrupted
-    unwritten : files asked for that are not whole, and why; empty if all is written
+    unwritten : output files that are incomplete, and why; empty if all is written
     accuracy : of c_x; None without a tolerance
     """
 
@@ -137,7 +139,7 @@ class Result:
 
     @property
     def c_x_stderr_cm_s(self) -> float:
-        """Its standard error in cm/s."""
+        """Standard error of the drift in cm/s."""
         return self.c_x_stderr * self.scene.cm_per_s
 
     @property
@@ -151,7 +153,7 @@ class Result:
 
     @property
     def rod_steps(self) -> int:
-        """Steps times rods."""
+        """Number of steps times number of rods."""
         return self.periods * self.steps_per_period * self.scene.rods.count
 
     def to_xarray(self) -> "Dataset":
@@ -163,7 +165,7 @@ class Result:
         return labelled({name: ("period", getattr(self, f"{name}_series")) for name in names})
 
     def as_dict(self) -> dict[str, Any]:
-        """For JSON: all but the arrays, with the scene, its digest, seed, law and versions."""
+        """Dictionary for JSON: all but the arrays, with scene, digest, seed, law and versions."""
         contact = self.scene.contacts.plate or self.scene.contacts.rods
         skip = ("scene", "phases", "c_x_series", "tilt_series", "fell_series", "rods", "accuracy")
         plain = {key: value for key, value in vars(self).items() if key not in skip}
@@ -186,7 +188,7 @@ class Result:
 
 
 def finite(value: Any) -> Any:
-    """JSON has neither nan nor inf."""
+    """`value` with None in place of nan and inf, which JSON lacks."""
     if isinstance(value, dict):
         return {key: finite(inner) for key, inner in value.items()}
     if isinstance(value, list | tuple):
@@ -197,7 +199,7 @@ def finite(value: Any) -> Any:
 
 
 def result_text(result: Result) -> str:
-    """What a run measured, and what it cost."""
+    """Text of a result: what the run measured, and what it cost."""
     lines = [*_drift(result), *_touches(result)]
     if energy := result.energy:
         work, change, residual = (energy[name] for name in ("plate_work", "change", "residual"))
@@ -308,7 +310,7 @@ def accuracy_lines(result: Result) -> list[str]:
 
 
 def result_json(r: Result) -> dict[str, Any]:
-    """A run for JSON: in its own units, and what it takes to read it in cm and s."""
+    """Result as a dictionary for JSON, in reduced units, with these units in cm and s."""
     cm, speed = r.scene.rods.diameter_cm, r.scene.cm_per_s
     period = cm / speed / r.scene.frequency
     units = {"length_cm": cm, "velocity_cm_s": speed, "time_s": cm / speed, "period_s": period}

@@ -1,4 +1,4 @@
-"""One rod and the plate: a single impact.
+"""A single impact of one rod with the plate, by soft contacts.
 
 Reduced units: lengths in rod diameters d, masses in the rod's, accelerations in g; so velocities
 are in sqrt(g d) and times in sqrt(d/g).
@@ -45,18 +45,18 @@ from .scene import Gravity
 
 INTEGRATORS = (*single.METHODS, "dop853")
 _FINE = 100  # default steps per head-on contact time
-_FINEST = 1e8  # steps of a contact that are as many as anybody waits for
-_MOST_STEPS = 1e7  # of a period of the plate: they are in memory
+_FINEST = 1e8  # largest number of steps of a contact: more would take too long
+_MOST_STEPS = 1e7  # largest number of steps of a period of the plate: they are in memory
 _SLOWEST = 1e-30  # speed of an impact below which numbers run out
 _STEPS_A_CALL = 10**6  # some 50 ms: signals are seen between calls
 _LONGEST = 1e5  # contact times after which a contact that goes on is an error
 
 
 class Impact(NamedTuple):
-    """What one impact did; velocities after it, in the frame of the laboratory.
+    """Outcome of one impact; velocities after it, in the frame of the laboratory.
 
     c_x : along the plate, sqrt(g d)
-    c_z : across, sqrt(g d)
+    c_z : across the plate, sqrt(g d)
     omega : spin, sqrt(g/d)
     restitution : -v_f/v_0 of the contact point that touched first, against the plate
     regime : one of `kernels.codes.REGIMES`
@@ -84,7 +84,7 @@ class Impact(NamedTuple):
 def _step(
     law: Law, effects: Effects, speed: float, tilt: float, dt: float | None, method: str
 ) -> float:
-    """The step asked for, or a good one; one that is not stable is refused."""
+    """Step asked for, or a good one, in sqrt(d/g); a step that is not stable is refused."""
     if speed < _SLOWEST:
         raise InputError(f"the impact must be at {_SLOWEST:g} sqrt(g d) or faster, got {speed:g}")
     across, along = np.square(lower_end(effects, tilt).arm(tilt)) * effects.lightness
@@ -120,7 +120,7 @@ def plate_table(vibration: Vibration | None, dt: float) -> Motion | None:
 
 
 def stopped_run(why: int, state: single.State, steps: int, dt: float) -> None:
-    """Raise what ended a run of one rod early."""
+    """Raise `RunError` if a run of one rod ended by a state that is not finite or too deep."""
     if why not in (NOT_FINITE, TOO_DEEP):
         return
     text = "its state is not finite" if why == NOT_FINITE else "deeper than d/2 in the plate"
@@ -146,7 +146,7 @@ def impact(
     gravity: tuple[float, float] | None = None,
     tolerance: float = 1e-13,
 ) -> Impact:
-    """One impact of the lower cap or corner, from its touch to the end of its force.
+    """Simulate one impact of the lower cap or corner, from its touch to the end of its force.
 
     Parameters
     ----------
@@ -242,7 +242,7 @@ def _by_steps(
     offset: float,
     longest: float,
 ) -> Contact:
-    """One contact with a fixed step, whose first begins `offset` steps before the touch.
+    """Follow one contact with a fixed step, from `offset` steps before the touch.
 
     Parameters
     ----------

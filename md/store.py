@@ -1,4 +1,4 @@
-"""Results of runs in one SQLite file: a row a run, found again by its key (`md.cache.key`).
+"""Store of results of runs in one SQLite file: one row per run, by its key (`md.cache.key`).
 
 Every row is a transaction of its own: rows that were written stay when the process is killed, and
 two sweeps may write to one file.
@@ -44,11 +44,11 @@ CREATE TABLE IF NOT EXISTS runs (
 
 
 class StoreError(InputError):
-    """A file that cannot be used as a store; it is left as it is."""
+    """Error for a file that cannot be used as a store; the file is left as it is."""
 
 
 class Store:
-    """Store of runs, open; a new one, in folders that are made, if there is no such file.
+    """Open store of runs; without such a file a new one, in folders that are made with it.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ class Store:
 
     @contextlib.contextmanager
     def _failing(self, what: str) -> Iterator[None]:
-        """Turn an error of SQLite or of JSON into one that says what could not be done."""
+        """Turn errors of SQLite and JSON into a `StoreError` that says what could not be done."""
         try:
             yield
         except (sqlite3.Error, json.JSONDecodeError) as error:
@@ -132,7 +132,7 @@ class Store:
             return self.database.execute(query, (key, failed)).fetchone() is not None
 
     def put(self, key: str, about: dict[str, Any], result: dict | None, error: str | None) -> None:
-        """Write a run, to the disk when this returns; no result is replaced.
+        """Write a run; it is on the disk when this returns, and no result is replaced.
 
         Parameters
         ----------
@@ -163,7 +163,7 @@ class Store:
             return json.loads(row[0]) if row else None
 
     def rows(self) -> Iterator[dict[str, Any]]:
-        """All runs, in the order in which they were written."""
+        """Yield all runs, in the order in which they were written."""
         with self._failing("cannot be read"):
             query = f"SELECT scene, result, {', '.join(_OF_RUN)} FROM runs ORDER BY rowid"
             for scene, result, *about in self.database.execute(query):
@@ -172,7 +172,7 @@ class Store:
 
 
 def named(result: dict | None, name: str) -> Any:
-    """A result by its dotted name; None without one.
+    """Value of a result by its dotted name; None if the run failed or measured none.
 
     Parameters
     ----------
@@ -195,7 +195,7 @@ def named(result: dict | None, name: str) -> Any:
 
 
 def _flat(tables: dict, prefix: str = "") -> dict[str, Any]:
-    """Nested tables with dotted names."""
+    """Nested tables as one table with dotted names."""
     found: dict[str, Any] = {}
     for key, value in tables.items():
         if isinstance(value, dict):
@@ -206,7 +206,7 @@ def _flat(tables: dict, prefix: str = "") -> dict[str, Any]:
 
 
 def table(path: str | Path) -> tuple[list[str], list[dict[str, Any]]]:
-    """All runs of a store, flat: names of columns, and a dictionary a run.
+    """All runs of a store as a flat table: names of columns, and a dictionary for each run.
 
     Columns with a dot are keys of the scene, in its own units and in cm and cm/s, or parts of the
     results, such as `touches.`.
@@ -231,17 +231,17 @@ def table(path: str | Path) -> tuple[list[str], list[dict[str, Any]]]:
 
 
 def write_csv(path: str | Path, columns: list[str], rows: list[dict[str, Any]]) -> None:
-    """Write rows to a file, whole or not at all.
+    """Write rows to a CSV file, whole or not at all.
 
     Parameters
     ----------
-    path : of a new file, or of such a table to replace
+    path : of a new file, or of a table of runs to replace
     columns, rows : as `table` gives them
 
     Raises
     ------
     ValueError
-        If the file is another one, or cannot be written.
+        If the file holds something else, or cannot be written.
     """
 
     def is_table(there: Path) -> bool:
