@@ -8,9 +8,9 @@
 'SLIP_REVERSAL'
 
 Lengths are in one unit of your choice, velocities in that unit per time; spins are in rad per that
-time, those given and those that come out. Nothing can check it: with lengths in mm and velocities
-in m/s spins are in rad per millisecond. Arrays are paired by position; labelled ones (pandas,
-xarray) are refused where their labels differ, and results are plain arrays.
+time, in arguments and results. No function can check units: with lengths in mm and velocities in
+m/s spins are in rad per millisecond. Arrays are paired by position; labelled ones (pandas, xarray)
+are refused where their labels differ, and results are plain arrays.
 
 Closed forms derived from Newton's laws by `derivations`; needs NumPy alone. On request, with Numba:
 `impact.compiled` (the map as kernels), `impact.bouncing` (a rod at fixed tilt).
@@ -22,7 +22,7 @@ _kernel                             one impact, as one text for arrays and for N
                                     proves it and makes C and JavaScript of it
 _arguments                          arguments of all functions: domains, dtypes, blocks
 geometry                            where the centre of mass stands over the contact point
-_impacts, _twofold, _select         regimes, arguments of impacts; twice the digits; a choice
+_impacts, _twofold, _select         regimes, arguments of impacts; twice the digits; `select`
 collision                           the impact map: `collide`, `classify`
 pairs                               two bodies of any masses that meet: `collide_pair`
 boundaries, translation             boundaries of the regimes; the drift, its stability and cost
@@ -35,14 +35,14 @@ benchmark, __main__, command_line   time per impact; its command
 To add a function
 -----------------
 1. Derive its closed form in `derivations` and write `_generated.py` (`help(derivations)`).
-2. Put the function beside its like: a `block` that calls the closed form, and the arguments by
+2. Put the function beside similar ones: a `block` that calls the closed form, and the arguments by
    name; `_arguments.evaluated` does what all functions do with them. A name has one domain,
    in `_arguments.DOMAINS`.
 3. List it here, in the imports and in `__all__`.
 4. Give `tests/test_public_api.py` its arguments and what it refuses.
 """
 
-from . import early_signals  # noqa: F401  (before what takes long)
+from . import early_signals  # noqa: F401  (before slow imports)
 
 # isort: split
 from ._arguments import InputError
@@ -98,7 +98,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> str:
-    """Version, found only when asked for."""
+    """Load the version only when asked for."""
     if name == "__version__":
         from importlib.metadata import version  # late: a fifth of the time of import impact
 

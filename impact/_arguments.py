@@ -16,7 +16,7 @@ from typing import Any, NamedTuple, TypeAlias, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-LARGE = 2**22 - 2**10  # numbers: just below 32 MiB, the most that glibc learns from
+LARGE = 2**22 - 2**10  # numbers, just below 32 MiB: the largest block from which glibc learns
 T = TypeVar("T")
 Number = TypeVar("Number", covariant=True)  # of a field: float or `Numbers`
 Code = TypeVar("Code", covariant=True)  # `Regime` or `Codes`
@@ -26,7 +26,7 @@ BLOCK = 8192  # elements in flight; a block's temporaries stay in the second-lev
 
 
 class InputError(ValueError, TypeError):
-    """An argument that is refused; the message names it, its value and its domain.
+    """Error for an argument that is refused; the message names it, its value and its domain.
 
     Both a `ValueError` and a `TypeError`, so that either catches it.
     """
@@ -35,7 +35,7 @@ class InputError(ValueError, TypeError):
 
 
 def _texts(result: Any) -> list[tuple[str, str]]:
-    """Fields of a named tuple as text: six digits of a number, of long arrays the ends."""
+    """Fields of a named tuple as text: numbers with six digits, of long arrays the ends."""
     with np.printoptions(threshold=6, edgeitems=2, precision=6):
         return [
             (name, f"{value:.6g}" if isinstance(value, float | np.floating) else f"{value!r}")
@@ -54,19 +54,19 @@ def _table(result: Any) -> str:
 
 
 def shown(kind: type[T]) -> type[T]:
-    """Decorate a named tuple: a line as its text, a table in a notebook."""
+    """Decorate a named tuple: it is shown in one line as text, and as a table in a notebook."""
     kind.__repr__ = _brief  # type: ignore[method-assign]
     kind._repr_html_ = _table  # type: ignore[attr-defined]
     return kind
 
 
 def typed_as(other: T) -> Callable[[Any], T]:
-    """Decorate a function that takes and gives what another one does."""
+    """Decorate a function with the type of another one, of the same arguments and results."""
     return lambda function: function
 
 
 class Domain(NamedTuple):
-    """Interval of permitted values, open at its lower end or closed, and its text for messages."""
+    """Interval of permitted values, closed or open at its lower end, and its text for messages."""
 
     low: float
     high: float
@@ -74,16 +74,16 @@ class Domain(NamedTuple):
     open_low: bool = False
 
     def holds(self, value: np.ndarray) -> np.ndarray:
-        """Where values lie in the domain; a nan is in none."""
+        """Whether each value lies in the domain; a nan does not."""
         above = value > self.low if self.open_low else value >= self.low
         return above & (value <= self.high)
 
 
-LARGEST = np.finfo(np.float64).max  # what is larger is infinite
-RIGHT = float(np.float32(np.pi / 2))  # of single precision, which lies beyond that of double
+LARGEST = np.finfo(np.float64).max  # the largest number that is not infinite
+RIGHT = float(np.float32(np.pi / 2))  # right angle in single precision, larger than in double
 ANY = Domain(-LARGEST, LARGEST, "any finite number")
 POSITIVE = Domain(0.0, LARGEST, "> 0", open_low=True)
-DOMAINS = {  # by the name of an argument, or of a field; of all others `ANY`
+DOMAINS = {  # by the name of an argument or of a field; all others have `ANY`
     "friction": Domain(0.0, np.inf, ">= 0"),
     "restitution": Domain(0.0, 1.0, "between 0 and 1"),
     "tilt": Domain(-RIGHT, RIGHT, "between -pi/2 and pi/2"),
@@ -134,7 +134,7 @@ def _refuse_unlike(values: Mapping[str, Any]) -> None:
 
 
 def domain_of(name: str) -> Domain:
-    """Permitted values of an argument, or of a field, as `geometry.k`."""
+    """Domain of an argument, or of a field as `geometry.k`, by its name."""
     return DOMAINS.get(name.rpartition(".")[2], ANY)
 
 
@@ -161,7 +161,7 @@ def real_arrays(
 ) -> tuple[list[np.ndarray], np.dtype]:
     """Arguments of a call as real arrays, and the dtype of the results.
 
-    It is float32 if the arguments are, but for Python's and float64 numbers, which do not decide;
+    It is float32 if the arguments are, where Python's numbers and float64 scalars do not count;
     else float64. Labelled arguments whose labels differ raise `InputError`.
     """
     values = list(arguments.values())
@@ -174,7 +174,7 @@ def real_arrays(
 
 
 def number(name: str, value: Any) -> float:
-    """One number in the domain of its name; nan is in none."""
+    """`value` as one number in the domain of its name; a nan is refused."""
     domain = domain_of(name)
     array = real_array(name, value, domain)
     if array.ndim or not domain.holds(array):
@@ -183,7 +183,7 @@ def number(name: str, value: Any) -> float:
 
 
 def count(name: str, value: Any, least: int) -> int:
-    """One whole number, at least `least`."""
+    """`value` as one whole number, at least `least`."""
     try:
         whole = index(value)
     except TypeError:
@@ -205,9 +205,9 @@ def evaluated(
     ----------
     function : of blocks of float64, in the order of `arguments`; returns one array for each kind
     arguments : by name
-    kinds : of the results: codes as int8, a single one as what it stands for; None is float64, or
-        float32 if the arguments are
-    special : domains of arguments, instead of those of their names
+    kinds : of the results: an enumeration for codes, as int8, or as its member for a single one;
+        None for numbers, as float64, or as float32 if the arguments are
+    special : domains of some arguments, instead of those of their names
     """
     domains = [special.get(name, domain_of(name)) for name in arguments]
     arrays, dtype = real_arrays(arguments, domains)
@@ -232,7 +232,8 @@ def evaluated(
 def _keep_memory() -> None:
     """Make and drop a large array, so that glibc keeps the memory of a block for the next one.
 
-    By itself it gives it back to the system and takes it again page by page: half of a call's time.
+    By itself glibc gives the memory back to the system and takes it again page by page, which is
+    half of a call's time.
     """
     np.empty(LARGE)
 

@@ -1,4 +1,4 @@
-"""Regimes, and arguments of impacts."""
+"""Regimes of an impact, and its arguments."""
 
 from collections.abc import Callable
 from enum import IntEnum
@@ -8,8 +8,8 @@ import numpy as np
 
 from .geometry import ContactGeometry
 
-# Plain arithmetic neither over- nor underflows while lengths and speeds lie between these and
-# friction is below the last.
+# Plain arithmetic neither over- nor underflows while lengths and speeds lie between the first two
+# and friction is below the last.
 SMALL, LARGE, LARGE_FRICTION = 1e-70, 1e70, 1e60
 
 
@@ -48,7 +48,7 @@ class Impacts(NamedTuple):
     restitution: Any
 
     def collide(self, function: Callable, law: str = "newton") -> Any:
-        """What a function with the signature of `impact.collide` makes of them.
+        """Call a function with the signature of `impact.collide` with these arguments.
 
         Parameters
         ----------

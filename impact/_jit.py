@@ -10,7 +10,7 @@ from ._interrupt import deferred
 
 
 class CompilerError(ImportError):
-    """Numba's compiler is switched off; every kernel of this package needs it."""
+    """Error: Numba's compiler is switched off, which every kernel of this package needs."""
 
     exit_code = 2  # of a command that it ends
 
@@ -22,9 +22,9 @@ if numba.config.DISABLE_JIT:
 def kernel(function: Callable | None = None, *, forceinline: bool = False) -> Any:
     """Compile a function on its first call; a division by zero raises nothing.
 
-    What is inlined has no entry for calls from Python: a third of the time to compile would go into
-    these. Where Python calls such a function, a twin with an entry is compiled; `md.cache` does
-    the same.
+    A function that is inlined gets no entry for calls from Python: a third of the time to compile
+    would go into these. Where Python calls such a function, a twin with an entry is compiled;
+    `md.cache` does the same.
     """
     if function is None:
         return partial(kernel, forceinline=forceinline)
@@ -32,13 +32,13 @@ def kernel(function: Callable | None = None, *, forceinline: bool = False) -> An
         return _dispatcher(function)
     made = _dispatcher(function, forceinline=True, no_cpython_wrapper=True)
     called = cache(partial(_dispatcher, function))
-    made._insert = lambda *_: None  # what has no entry cannot be called, and crashes
+    made._insert = lambda *_: None  # a function without an entry crashes when Python calls it
     made._compile_for_args = lambda *_, **__: called()
     return made
 
 
 def _dispatcher(function: Callable, **options: Any) -> Any:
-    """Numba's, which is not interrupted."""
+    """Dispatcher of Numba, whose compilation is not interrupted by signals."""
     made = numba.njit(error_model="numpy", no_cfunc_wrapper=True, **options)(function)
     made.compile = deferred()(made.compile)
     return made

@@ -1,10 +1,10 @@
-"""A choice between two numbers, for arrays."""
+"""Element-wise choice between two numbers, for arrays."""
 
 import numpy as np
 
 
 def select(condition, a, b):
-    """What `numpy.where` gives, by bits instead of by branches: three times as fast."""
+    """Choose a or b as `numpy.where` does, by bits instead of branches: three times as fast."""
     if np.ndim(condition) == 0:
         return a if condition else b
     kind = np.result_type(a, b)

@@ -1,4 +1,4 @@
-"""Numbers in twice the digits, for sums that may cancel."""
+"""Numbers with twice the digits of a float, for sums that may cancel."""
 
 from functools import cached_property
 from typing import Any
@@ -15,11 +15,11 @@ from ._kernel import (
 
 
 class Twofold:
-    """A number as the sum of a rounded one and what that lacks, nothing if it is exact.
+    """Number with twice the digits: the sum of a rounded number and what it lacks.
 
-    The functions of `_generated` run on it as on any number. Of exact numbers is left out what
-    would change no digit; each is split once. The first part of a sum is rounded to its last
-    digits only when it is `carried`.
+    The functions of `_generated` run on it as on any number. An exact number lacks nothing, and
+    operations leave out what would change no digit; each number is split once. The first part of a
+    sum is rounded to its last digits only when it is `carried`.
     """
 
     def __init__(self, high: Any, low: Any = None) -> None:
@@ -28,7 +28,7 @@ class Twofold:
 
     @cached_property
     def parts(self):
-        """The rounded number with its halves."""
+        """The rounded number with its upper and its lower half."""
         return split(self.high)
 
     def __getitem__(self, index):
@@ -57,12 +57,12 @@ class Twofold:
         return Twofold(*twofold_of_product(p, error, self.high, self.low, other.high, other.low))
 
     def carried(self):
-        """The same number, its first part rounded from the whole."""
+        """The same number, with its first part rounded from the whole."""
         return Twofold(*carried(self.high, self.low))
 
 
 def quotient(a, b):
-    """a/b of two rounded numbers."""
+    """Quotient a/b of two rounded numbers, in twice the digits."""
     found = Twofold(a / b)
     found.low, found.exact = lack_of_quotient(a, b, found.parts, split(b)), False
     return found

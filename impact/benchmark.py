@@ -47,11 +47,11 @@ def machine() -> dict[str, Any]:
 
 
 def benchmark(n: int) -> dict[str, Any]:
-    """Median time of an impact over `RUNS` passes, ns, and seconds to compile the laws.
+    """Median time of an impact over `RUNS` passes, in ns, and time to compile the laws, in s.
 
     Parameters
     ----------
-    n : random impacts of a pass
+    n : number of random impacts in a pass
     """
     impacts, begin, tasks = random_impacts(n), perf_counter(), {}
     for law in compiled.KERNELS:
@@ -70,7 +70,7 @@ def benchmark(n: int) -> dict[str, Any]:
 
 
 def table(result: dict[str, Any]) -> str:
-    """The result of `benchmark` as text."""
+    """Text of the result of `benchmark`."""
     this = result["machine"]
     times = sorted(result["ns_per_impact"].items())
     return "\n".join(

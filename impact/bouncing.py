@@ -58,14 +58,14 @@ class Landings(NamedTuple):
     period : whole periods since the start, exact
     phase : of the plate, theta in [0, 2 pi); its velocity is V_0 cos(theta)
     c_x : along the plate, before the landing
-    c_z : across, before
-    c_x_after : after it
-    c_z_after : after it
-    flight : from take-off to this landing
-    rest : on the plate before that take-off
+    c_z : across the plate, before the landing
+    c_x_after : along the plate, after the landing
+    c_z_after : across the plate, after the landing
+    flight : time from take-off to this landing
+    rest : time on the plate before that take-off
     travel : distance in x since the landing before, in V_0 times a period
     hits : impacts on the spot
-    regime : of the first of them, codes of `impact.Regime`
+    regime : of the first of these impacts, codes of `impact.Regime`
     """
 
     period: np.ndarray
@@ -84,8 +84,8 @@ class Landings(NamedTuple):
 class Estimate(NamedTuple, Generic[Number]):
     """Mean over independent rods and its standard error (nan for one rod).
 
-    mean : in the unit of what is estimated
-    error : standard error, in the same
+    mean : in the unit of the estimated quantity
+    error : standard error, in the same unit
     """
 
     mean: Number
@@ -96,7 +96,7 @@ class Bouncing(NamedTuple):
     """Means over the landings of many independent rods; every field an `Estimate`.
 
     alpha : mean plate velocity at landing over V_0; every landing counts alike
-    alpha_impulse : the same, landings weighted by their vertical impulse
+    alpha_impulse : like alpha, but landings are weighted by their vertical impulse
     falling : part of the landings that find the plate on its way down
     drift : distance over time, in V_0
     c_x : mean after a landing, in V_0
@@ -125,12 +125,12 @@ class Bouncing(NamedTuple):
     flights: Estimate[Numbers]
 
 
-# Of `Landings`: whole numbers where they are counted.
+# dtypes of the fields of `Landings`: counts and codes are whole numbers.
 _KINDS = [np.int64, *[float] * 8, np.int64, np.int8]
 
 
 class _Held(NamedTuple):
-    """A rod at held tilt and the plate under it."""
+    """Rod at held tilt, and the plate under it."""
 
     gamma: float  # A Omega^2/g
     X: float  # of one unit of length with Z and k
@@ -166,7 +166,7 @@ def _loop(law: str):
 
     @kernel
     def rod(state, held, out):
-        """Fill `out`, shape (landings, fields of `Landings`); the `state` for the next call."""
+        """Fill `out`, shape (landings, fields of `Landings`); return the next call's `state`."""
         phase, speed, c_x, period = state
         gamma, shortest = held.gamma, held.shortest
         lift, free = lift_off(gamma)
@@ -215,7 +215,7 @@ def _loop(law: str):
 def _runs(
     geometry, gamma, friction, restitution, law, shortest_flight, counts: tuple[Any, ...]
 ) -> Iterator[Landings]:
-    """Landings of one rod after another, once all arguments are in their domains."""
+    """Yield the landings of each rod, once all arguments are in their domains."""
     law_of(law)
     lengths = (number(name, length) for name, length in lengths_of(geometry).items())
     gamma = number("gamma", gamma)
@@ -233,14 +233,14 @@ def _runs(
 
 
 def _start(seed: int, rod: int, gamma: float) -> tuple[float, float, float]:
-    """Draw the start of one rod: phase, take-off velocity over the plate's, c_x."""
+    """Draw the initial state of one rod: phase, take-off velocity over the plate's, c_x."""
     stream = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(rod,)))
     phase, speed, c_x = stream.random(3)
     return TURN * phase, 2 * gamma * speed, gamma * (2 * c_x - 1)
 
 
 def _density(values: np.ndarray, bins: int, high: float) -> np.ndarray:
-    """Histogram over [0, high), per unit; what lies above is counted nowhere."""
+    """Histogram over [0, high), as a density; values above are not counted in any bin."""
     counts, _ = np.histogram(values, bins, (0, high))
     return counts * (bins / (high * values.size))
 

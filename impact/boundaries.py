@@ -1,4 +1,4 @@
-"""Boundaries between the regimes, over tilt and friction."""
+"""Boundaries between the regimes of an impact, over tilt and friction."""
 
 from typing import Any, overload
 
@@ -10,7 +10,7 @@ from .geometry import ContactGeometry, lengths_of, unit_lengths
 
 
 def _critical(X: Any, Z: Any, k: Any) -> Any:
-    """Critical friction; X may be larger than the other lengths by any factor."""
+    """Critical friction |X Z|/(k^2 + Z^2); X may be larger than the other lengths by any factor."""
     _, exponent = np.frexp(np.maximum(np.abs(Z), k))
     return np.abs(closed.critical_friction(*(np.ldexp(x, -exponent) for x in (X, Z, k))))
 
@@ -73,10 +73,10 @@ def painleve_friction(geometry: ContactGeometry[float]) -> float: ...
 @overload
 def painleve_friction(geometry: ContactGeometry) -> Numbers: ...
 def painleve_friction(geometry: ContactGeometry) -> Any:
-    """Friction from which on a slipping contact is pressed into the plate: Painleve's paradox.
+    """Least friction at which a slipping contact is pressed into the plate: Painleve's paradox.
 
-    (k^2 + X^2)/|X Z|, for the slip that friction opposes towards the centre of mass: to -x where
-    X Z > 0. Not in the paper; derived in `derivations.optimum`.
+    It is (k^2 + X^2)/|X Z|, for the slip that friction opposes towards the centre of mass: to -x
+    where X Z > 0. Not in the paper; derived in `derivations.optimum`.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The impact map: one frictional impact of a rigid body with a heavy plate, three laws."""
+"""The impact map: one frictional impact of a rigid body with a heavy plate, under three laws."""
 
 from collections.abc import Callable
 from functools import partial, reduce
@@ -40,7 +40,7 @@ class Collision(NamedTuple, Generic[Number, Code]):
 
 
 def exponent(*values: Any) -> Any:
-    """Power of two just above the largest magnitude; of zero, less than of any other number."""
+    """Exponent of the power of two just above the largest magnitude; of zeros alone, -5000."""
     powers = [np.where(value == 0, -5000, np.frexp(value)[1]) for value in values]
     return reduce(np.maximum, powers)
 
@@ -68,7 +68,7 @@ def _scaled(function: Callable[..., tuple], *block: Any) -> tuple[Any, ...]:
 
 
 def _in_range(function: Callable[..., tuple], *block: Any) -> tuple[Any, ...]:
-    """Evaluate a function on a block, elements of unusual size scaled."""
+    """Evaluate a function on a block of impacts; impacts of unusual size are scaled."""
     usual = ordinary(block)
     if np.all(usual):
         return function(*block)
@@ -82,7 +82,7 @@ def _in_range(function: Callable[..., tuple], *block: Any) -> tuple[Any, ...]:
 
 
 def law_of(name: str) -> Callable[..., tuple]:
-    """Kernel of a law of restitution; an unknown name raises."""
+    """Kernel of a law of restitution by its name; an unknown name raises `InputError`."""
     if not isinstance(name, str) or name not in LAWS:
         raise InputError(f"law must be one of {', '.join(LAWS)}, got {name!r}")
     return LAWS[name]
@@ -110,7 +110,7 @@ def arguments(
 
 
 def impacts(law: str) -> Callable[..., tuple[Any, ...]]:
-    """Impacts under a law of a block of numbers, whatever their sizes; fields of `Collision`."""
+    """Function that returns the fields of `Collision` under a law, for a block of any numbers."""
     restitution = law_of(law)
     return partial(_in_range, lambda *block: kernel.impact(restitution, block))
 

@@ -94,7 +94,7 @@ _impact, _ordinary = _known["impact"], kernel(ordinary, forceinline=True)
 
 
 def _scalar_kernel(law: str) -> Any:
-    """Compile the impact under one law."""
+    """Compile the impact of floats under one law."""
     restitution = _known[law]
 
     def collide(given: Impacts) -> tuple:
@@ -113,12 +113,12 @@ def _scalar_kernel(law: str) -> Any:
 KERNELS = {law: _scalar_kernel(law) for law in ("newton", "poisson", "stronge")}
 collide_newton, collide_poisson, collide_stronge = KERNELS.values()
 _IMPACTS_A_CALL = 1 << 18  # some 20 ms: signals are seen between calls
-_LEFT = -2  # regime code of an impact that is left to plain NumPy: invalid, or of unusual size
+_LEFT = -2  # regime code of an impact that is left to NumPy: invalid, or of unusual size
 
 
 @kernel(forceinline=True)
 def _one_of(given, i):
-    """One impact of many, each field an array."""
+    """Impact i of many, as floats; each field of `given` is an array."""
     c_x, c_z, omega, V_z, X, Z, k, mu, epsilon = given
     return Impacts(c_x[i], c_z[i], omega[i], V_z[i], X[i], Z[i], k[i], mu[i], epsilon[i])
 
@@ -147,12 +147,12 @@ def _loop(law: str):
 
 
 def _empty(size: int) -> plain.Collision:
-    """Room for the results of impacts."""
+    """Empty arrays for the results of `size` impacts."""
     return plain.Collision(*(np.empty(size, np.int8 if kind else float) for kind in plain.KINDS))
 
 
 def _part_of(group: Any, part: Any) -> Any:
-    """Part of every array of a named tuple."""
+    """Named tuple with a part of each of its arrays."""
     return group._make(array[part] for array in group)
 
 

@@ -42,7 +42,7 @@ class Departure(NamedTuple):
 
 @kernel
 def departure(speed, phase, gamma):
-    """Start of a flight at a phase."""
+    """Start of a flight at a phase; `speed`: velocity with which the rod leaves the plate."""
     height = gamma * np.sin(phase)
     return Departure(speed, height - 1, height, gamma * np.cos(phase))
 
@@ -156,7 +156,7 @@ def landing(d, phase, gamma):
 
 @kernel
 def advance(phase, t):
-    """Whole periods passed and phase in [0, 2 pi) after a time t, rounded once: not 2 pi n."""
+    """Whole periods passed and phase in [0, 2 pi) after a time t; the phase is rounded once."""
     total = phase + t
     lost = t - (total - phase) if phase > t else phase - (total - t)
     periods = np.floor(total / TURN)

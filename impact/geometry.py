@@ -40,7 +40,7 @@ class ContactGeometry(NamedTuple, Generic[Number]):
 
 
 def lengths_of(geometry: ContactGeometry) -> dict[str, Any]:
-    """X, Z and k of a contact geometry by name; anything else raises."""
+    """X, Z and k of a contact geometry by name; raises `InputError` for anything else."""
     try:
         X, Z, k = geometry if isinstance(geometry, tuple | list | np.ndarray) else ()
     except ValueError:
@@ -66,7 +66,7 @@ def _rod(contact: Callable[..., tuple], tilt: Any, **sizes: Any) -> ContactGeome
 
     parts = evaluated(block, {"tilt": tilt, **sizes}, (None,) * 3)
     labels = max(map(labels_of, (tilt, *sizes.values())), key=len)
-    if labels:  # what is made with this geometry must agree with them
+    if labels:  # results of this geometry must agree with them
         parts = tuple(part.view(Labelled) for part in parts)
         for part in parts:
             part.labels = labels

@@ -1,4 +1,4 @@
-"""The frictional impact of any two bodies that meet at a point; a rod on a plate is one of them."""
+"""Frictional impact of any two bodies that meet at a point; a rod on a plate is one such pair."""
 
 from collections.abc import Callable
 from typing import Any, Generic, NamedTuple, overload
@@ -19,7 +19,7 @@ SMALL, LARGE = 1e-10, 1e10  # numbers between these need no scale
 
 @shown
 class Body(NamedTuple, Generic[Number]):
-    """A rigid body that meets another one, moving in a plane; numbers or arrays that broadcast.
+    """Rigid body that meets another one, moving in a plane; numbers or arrays that broadcast.
 
     Attributes
     ----------
@@ -42,7 +42,7 @@ class Body(NamedTuple, Generic[Number]):
         """The same body in axes turned by an angle, rad, positive from z towards x as a spin is.
 
         Bodies that are known in one frame and meet across a normal at this angle from its z axis
-        are `turned(angle)` before `collide_pair`, and what comes out `turned(-angle)`.
+        are `turned(angle)` before `collide_pair`, and the resulting ones `turned(-angle)`.
 
         Parameters
         ----------
@@ -87,14 +87,14 @@ class PairCollision(NamedTuple, Generic[Number, Code]):
 
 
 def _arguments(name: str, body: Body) -> dict[str, Any]:
-    """Fields of a body by name; anything else raises."""
+    """Fields of a body by name; raises `InputError` for anything else."""
     if not isinstance(body, tuple | list | np.ndarray) or len(body) != len(Body._fields):
         raise InputError(f"{name} must be ({', '.join(Body._fields)}), got {body!r}")
     return {f"{name}.{field}": value for field, value in zip(Body._fields, body, strict=True)}
 
 
 def _left(value: Any, power: Any) -> Any:
-    """A number that need not be scaled."""
+    """The number itself, in place of a scaled one."""
     return value
 
 
@@ -109,7 +109,7 @@ def _impact(final_velocity: Any, *block: Any) -> tuple[Any, ...]:
     """Velocities of both bodies, regime code, impulse and energy change.
 
     Unusual lengths of each body, speeds and masses are scaled by powers of two. The contact
-    velocity and the mobilities are summed in twice the digits; the kernel is left one impact.
+    velocity and the mobilities are summed in twice the digits; the kernel then sees one impact.
     """
     *given, mu, epsilon = block
     numbers = np.empty((7, 2, *np.broadcast(*block).shape))  # fields of both bodies
@@ -137,7 +137,7 @@ def _impact(final_velocity: Any, *block: Any) -> tuple[Any, ...]:
     k = np.maximum(scaled(both.k, -size), SHORT)
     levers = scaled(numbers[2:4], -size)
     c_x, c_z = (Twofold(scaled(speeds, -speed)) for speeds in (both.c_x, both.c_z))
-    # centres and spins apart, as bodies that move alike must not lose what is left
+    # centres and spins apart: bodies that move alike must not lose their small difference
     turn = Twofold(scaled(both.omega, size - speed))
     lift, turned = (Twofold(lever) * turn for lever in levers)
     u = ((c_x[0] - c_x[1]) + (turned[1] - turned[0])).carried()
@@ -172,7 +172,7 @@ def _impact(final_velocity: Any, *block: Any) -> tuple[Any, ...]:
     after = (part[i] for i in range(2) for part in (c_x, c_z, omega))
     code = kernel.regime_of(*branch)
     if some_fixed:
-        stuck = hits & fixed.all(0)  # and all else is nan, as nothing can give way
+        stuck = hits & fixed.all(0)  # all other results are nan, as no body can give way
         if np.ndim(stuck) == 0 and stuck:
             raise InputError("first.mass and second.mass must not both be inf where they close")
         code = np.where(stuck, Regime.INVALID, code)
@@ -221,10 +221,10 @@ def collide_pair(
 
     Notes
     -----
-    `derivations.pairs`: the impact is that of the rod on a plate that has the same 2 x 2 matrix of
-    inverse masses at the contact point, and `collide` with the second body infinitely heavy. Which
-    body is the first does not matter: exchanged, and turned by half a turn, they do the same. A
-    k below 1e-30 of its body's lever counts as that.
+    Derived in `derivations.pairs`. The impact is that of the rod on a plate that has the same 2 x 2
+    matrix of inverse masses at the contact point; if the second body is infinitely heavy, it is
+    that of `collide`. Which body is the first does not matter: exchanged, and turned by half a
+    turn, they give the same result. A k below 1e-30 of its body's lever counts as 1e-30 of it.
 
     Examples
     --------

@@ -24,10 +24,10 @@ from .geometry import ContactGeometry, lengths_of, unit_lengths
 
 @shown
 class Drift(NamedTuple, Generic[Number, Code]):
-    """Velocity of the centre of mass, the same at every landing.
+    """Stationary drift: velocity of the centre of mass, the same at every landing.
 
-    c_x : along the plate, in the unit of its velocity
-    c_z : after a landing, upwards; before it -c_z
+    c_x : along the plate, in the unit of the plate's velocity
+    c_z : upwards after a landing, in the same unit; before it -c_z
     regime : `Regime`, or an int8 array of its values
     """
 
@@ -159,8 +159,8 @@ def relaxation(geometry: ContactGeometry, *, friction: Any, restitution: Any) ->
 
     Returns
     -------
-    Landings, in the mean over many: a deviation may oscillate as it falls. inf where one stays:
-        without friction, and for a vertical rod at restitution 1.
+    Number of landings, in the mean over many: a deviation may oscillate as it falls. inf where a
+        deviation stays: without friction, and for a vertical rod at restitution 1.
 
     Raises
     ------
@@ -197,10 +197,10 @@ def relaxation(geometry: ContactGeometry, *, friction: Any, restitution: Any) ->
 
 @shown
 class Optimum(NamedTuple, Generic[Number, Code]):
-    """The tilt at which a thin rod drifts fastest.
+    """Tilt at which a thin rod drifts fastest, and that drift.
 
     tilt : rad
-    c_x : its drift, over the plate's velocity at landing
+    c_x : drift of the rod, over the plate's velocity at landing
     regime : `Regime`, or an int8 array of its values
     """
 
@@ -266,7 +266,7 @@ def optimal_tilt(*, friction: Any, restitution: Any) -> Optimum:
 
 
 def landing_phases(q: Any) -> tuple[Any, Any]:
-    """First and last phase at which rods that fall with q <= 1 are met."""
+    """First and last phase at which rods land that fall with q <= 1 times V_0, in rad."""
     away = np.arcsin(q)  # the last is pi/2 + away
     low, high = away, np.pi + away  # of pi/2 less the first phase
     for _ in range(60):
