@@ -266,7 +266,7 @@ def optimal_tilt(*, friction: Any, restitution: Any) -> Optimum:
 
 
 def landing_phases(q: Any) -> tuple[Any, Any]:
-    """First and last phase at which rods land that fall with q <= 1 times V_0, in rad."""
+    """First and last phase, in rad, of the landings of rods that fall with q <= 1 times V_0."""
     away = np.arcsin(q)  # the last is pi/2 + away
     low, high = away, np.pi + away  # of pi/2 less the first phase
     for _ in range(60):

@@ -393,7 +393,7 @@ def checked(*, periods: int | None = None, **options: float | None) -> None:
 
 
 def _accuracy(goal: _Goal, result: Result) -> Accuracy:
-    """`Accuracy` of a goal that is over."""
+    """`Accuracy` of a run, from the estimate that its goal has found."""
     found, tenth = goal.found, goal.tolerance / 10
     state = "reached" if goal.reached else "not reached" if found.settled else "not settled"
     longer = (found.statistical / goal.size / tenth) ** 2

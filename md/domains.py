@@ -17,7 +17,7 @@ import numpy as np
 
 
 class InputError(ValueError, TypeError):
-    """Error for an argument, a key or a file that is refused; the message names value and domain.
+    """Error for a refused argument, key or file; the message names it, its value and its domain.
 
     Both a `ValueError` and a `TypeError`, so that either catches it.
     """

@@ -110,7 +110,7 @@ def appendix_a(
     reduced_mass: float = 0.5,
     overlap_factor: bool = True,
 ) -> Law:
-    """Appendix A taken at its word: F_n = k_n delta^(3/2) - gamma_n M_e delta v_n.
+    """Contact law of Appendix A as printed: F_n = k_n delta^(3/2) - gamma_n M_e delta v_n.
 
     F_t is that of a spring of stiffness k_t delta and a dashpot gamma_t M_e delta.
 
@@ -147,7 +147,7 @@ def constant_restitution(
     tangential_ratio: float = 30.0,
     tangential_damping: float = 1.0,
 ) -> Law:
-    """Hertz with a dashpot of constant head-on restitution; tangential spring and dashpot.
+    """Hertz' force with a dashpot of constant head-on restitution; tangential spring and dashpot.
 
     F_n = k_n delta^(3/2) - c sqrt(M k_n) delta^(1/4) v_n, where c follows from the restitution; the
     stiffness along the plate is tangential_ratio k_n sqrt(delta).
@@ -168,7 +168,7 @@ def constant_restitution(
 
 
 def coulomb(restitution: float = 0.65, stiffness: float = STIFFNESS) -> Law:
-    """Hertz as in `constant_restitution`; friction as a constraint: no slip up to mu F_n.
+    """Hertz' force as in `constant_restitution`; friction as a constraint: no slip up to mu F_n.
 
     The law under which the rod meets the theory of rigid impacts as the plate grows stiff.
 

@@ -75,7 +75,7 @@ _OF_TOUCHES = "contact_periods", "slide", "slip_stick", "slip_reversal", "pushed
 # Means as quotients of two sums, by name; the second is the number of touches or landings if
 # nothing else is said.
 MEANS = {name: (name, "count") for name in (*_BOTH, *_OF_TOUCHES)} | {
-    "plate_velocity_by_speed": ("pushing", "approach"),  # each touch counts as its v_0
+    "plate_velocity_by_speed": ("pushing", "approach"),  # each touch is weighted by its v_0
     "restitution": ("leaving", "approach"),  # of all touches together
 }
 OF_LANDINGS = {name: (name, "count") for name in (*_BOTH, "touches")}
@@ -236,8 +236,8 @@ class Tables:
 
 FEWEST = 100  # values for a standard error
 TREND = 0.743  # value of `trend` that one in a hundred long stationary series exceeds
-# Chance below which starts that differ are in different states, of rows and of annuli, where each
-# start has an arrangement of its own.
+# Starts whose differences have a chance below this count as being in different states: of rows, and
+# of annuli, where each start has an arrangement of its own.
 UNLIKELY = 1e-3, 5e-2
 _BLOCKS = 8  # of counts, whose order tells a trend
 _ORDERED = 19  # of 28 pairs of blocks, rising less falling ones; one in 70 steady counts exceeds it

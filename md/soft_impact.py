@@ -110,7 +110,7 @@ def _steps_per_period(vibration: Vibration, dt: float) -> int:
 
 
 def plate_table(vibration: Vibration | None, dt: float) -> Motion | None:
-    """One period of the plate, step by step; `dt` divides it."""
+    """Motion of the plate over one period, step by step; `dt` divides the period. None at rest."""
     if vibration is None:
         return None
     steps = _steps_per_period(vibration, dt)

@@ -64,11 +64,10 @@ def near_end(apart, a, b, half, end):
 
 @kernel
 def between_ends(apart, a, b, half):
-    """`Near` of the closest points of both lines, whether both are inside the rods, the skewness.
+    """`Near` of two lines' closest points, whether both lie on the rods, sin^2 of the lines' angle.
 
-    The skewness is the squared sine of the angle between the lines. Where lines are nearly parallel
-    the second point may be far off; the first is the nearest to it, so that their distance is
-    hardly wrong.
+    The lines carry the rods' axes. Where they are nearly parallel the second point may be far off;
+    the first is the nearest to it, so that their distance is hardly wrong.
     """
     across = dot(a, b)
     skew = 1.0 - across * across
@@ -329,7 +328,7 @@ def renewed(up, rods, half, period, listed, place, found):
 
 @kernel
 def outdated(listed):
-    """Whether rods may have moved so far that the list of pairs misses one."""
+    """Whether the list may miss a pair, as rods may have moved by half of SKIN."""
     return listed.travelled[0] >= 0.5 * SKIN
 
 

@@ -87,7 +87,7 @@ def pair_of(effects, rods, index, k):
 
 @kernel
 def seen_through(period, apart, image):
-    """Vector from the second rod to the first, if that image of the second is taken.
+    """Vector from an image of the second rod to the first; `apart`: from the second rod itself.
 
     `image`: periods by which the image lies further along x.
     """

@@ -1,4 +1,4 @@
-"""Forces of the plate on a rod, compiled: at both caps, or at both corners of a flat end."""
+"""Forces of the plate on a rod, compiled: at both of its caps or corners."""
 
 from typing import NamedTuple
 
