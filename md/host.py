@@ -153,8 +153,7 @@ class Engine:
     dt: float  # sqrt(d/g)
     per: int  # steps of a period
     step: int = 0
-
-    pace = 1  # steps of a call
+    pace: int = 1  # steps of a call of the kernel
 
     @property
     def rods(self) -> np.ndarray:
@@ -280,7 +279,7 @@ class Engine:
             value[...] = arrays[name]
 
 
-def _row_of_rods(scene: Scene, lowest: float) -> np.ndarray:
+def _rods_in_row(scene: Scene, lowest: float) -> np.ndarray:
     """State of a row at its start: equal tilts, caps over the plate, no mean velocity along it.
 
     A mean velocity along the plate would last: where friction is small, nothing else would be
@@ -300,7 +299,7 @@ def _row_of_rods(scene: Scene, lowest: float) -> np.ndarray:
     return rods
 
 
-def _ring_of_rods(scene: Scene, gap: Annulus, lowest: float) -> np.ndarray:
+def _rods_in_annulus(scene: Scene, gap: Annulus, lowest: float) -> np.ndarray:
     """State of the rods in an annulus at their start, without a mean velocity around it."""
     n, tilt = scene.rods.count, None if scene.start.tilt_deg is None else abs(scene.tilt)
     rods = np.zeros((n, SPACE_COLUMNS))
@@ -380,7 +379,7 @@ def prepare(scene: Scene, *, ledger: bool = True, touches: bool = True) -> Engin
     dt, per = step_of(scene)
     effects, gap = all_effects(scene, per), scene.annulus
     lowest = effects.plate.height[0] if effects.plate else 0.0
-    rods = _ring_of_rods(scene, gap, lowest) if gap else _row_of_rods(scene, lowest)
+    rods = _rods_in_annulus(scene, gap, lowest) if gap else _rods_in_row(scene, lowest)
     record = new_record(len(rods), 4096) if touches and effects.normal else None
     columns = ANNULUS_LEDGER if gap else LEDGER_COLUMNS
     watchers = Watchers(np.zeros(columns) if ledger else None, record, None)

@@ -29,9 +29,9 @@ CALL = """
 import json, md
 from md.kernels.contact import Spring
 from md.kernels.codes import STICK
-from md.kernels.single import Slip, held
-force = held(Spring(root=1.0), STICK, 1.0, 0.3, 0.1, Slip(0.0, 0.0, 1.0))[0]
-stats = held._compile_for_args().stats  # of the twin that Python calls
+from md.kernels.single import Slip, in_mode
+force = in_mode(Spring(root=1.0), STICK, 1.0, 0.3, 0.1, Slip(0.0, 0.0, 1.0))[0]
+stats = in_mode._compile_for_args().stats  # of the twin that Python calls
 counts = [sum(found.values()) for found in (stats.cache_hits, stats.cache_misses)]
 print(json.dumps([md.__file__, force, *counts]))
 """
@@ -74,12 +74,12 @@ def kept(copy):
 def test_kernels_are_kept_and_an_edit_anywhere_compiles_anew(copy):
     """An edit of a callee in another file, which Numba's own cache does not see, is not missed.
 
-    `single.held` asks `contact` for the stiffness of the spring, which is doubled there.
+    `single.in_mode` asks `contact` for the stiffness of the spring, which is doubled there.
     """
     assert call(copy) == (-0.1, 0, 1)
     files = kept(copy)
     assert {file.suffix for file in files} == {".nbc", ".nbi"}
-    assert any("single.held" in file.name for file in files)
+    assert any("single.in_mode" in file.name for file in files)
 
     assert call(copy) == (-0.1, 1, 0)
     assert kept(copy) == files

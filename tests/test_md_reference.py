@@ -13,6 +13,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import md
+from md.kernels import single
+from md.kernels.codes import FREE
+from md.kernels.contact import Friction
 
 from .track import REVERSAL, SLIDE, SLIP_STICK
 
@@ -176,3 +179,10 @@ def test_a_plate_that_vibrates_is_that_of_the_fixed_steps(phase):
     steps = md.impact(radians(20), 0.5, -2.0, integrator="verlet", dt=1e-6, **given)
     assert exact[:3] == pytest.approx(steps[:3], abs=1e-4)
     assert exact.restitution == pytest.approx(steps.restitution, abs=1e-4)
+
+
+def test_there_is_no_friction_before_the_first_mode():
+    """As `codes` says of FREE; a rod without slip is followed so for its first moment."""
+    slip = single.Slip(now=0.1, drive=0.0, mass=1.0)
+    friction = single.friction_of_mode(Friction(0.4, None), FREE, 1e-3, 1.0, 0.0, slip)
+    assert friction == (0.0, 0.0, 1.0)

@@ -144,7 +144,7 @@ def fill_bodies(numbers, n, bodies):
 
 
 @kernel
-def collect(batch, n, given, forces, springs, up):
+def enter(batch, n, given, forces, springs, up):
     """Store a contact at place n, with its kept forces and spring; return the contact count."""
     (numbers, place), at, row, slot = batch, np.uint64(n), given.row, given.slot
     place[at, 0], place[at, 1], place[at, 2], place[at, 3] = given.first, given.second, row, slot
@@ -176,7 +176,7 @@ def fill_torques(numbers, c, bodies, force):
 
 
 @kernel
-def accounted(ledger, law, numbers, c, meeting, found, dt):
+def note_losses(ledger, law, numbers, c, meeting, found, dt):
     """Store the energies lost in contact c in this step, if there is a ledger."""
     if ledger is not None:
         share = get(numbers, SHARE, c)
@@ -198,7 +198,7 @@ def act_on(alike, ledger, numbers, c, dt):
         kept.force, kept.rub, kept.spring, None, None, half,
     )  # fmt: skip
     found = contact(law.normal, law.friction, inertia, meeting, dt)
-    accounted(ledger, law.normal, numbers, c, meeting, found, dt)
+    note_losses(ledger, law.normal, numbers, c, meeting, found, dt)
     fill_kept(numbers, c, Kept(found.normal, found.rub, found.spring))
     force = times(get(numbers, SHARE, c), total(found, meeting.out))
     fill_all(numbers, FORCE, c, force)

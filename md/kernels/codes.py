@@ -51,7 +51,7 @@ IMPULSE = 3  # column of the normal impulse of phase 0
 WATCH_DEEPEST, WATCH_SIDE, WATCH_STOPPED, WATCH_TOUCHED = 6, 7, 8, 9
 WATCHED = 10
 
-# Modes of friction between two switches: slip forward, none, backward; FREE: no friction.
+# Modes of friction between two switches: slip forward, none, backward; FREE: no friction yet.
 FORWARD, STICK, BACK, FREE = 1, 0, -1, 2
 
 # Regimes of a contact.

@@ -149,6 +149,12 @@ def elastic(normal, overlap):
 
 
 @kernel
+def elastic_energy(normal, overlap):
+    """Energy 2/5 k_n delta^(5/2) of Hertz, m g d; 0 without an overlap."""
+    return 0.4 * normal.stiffness * overlap * overlap * sqrt(overlap) if overlap > 0.0 else 0.0
+
+
+@kernel
 def largest(plastic, half, free, light, dt):
     """Upper limit of F_n in a step: a plastic contact just stops at its end, others have none."""
     if plastic is None:
@@ -353,7 +359,7 @@ def constraint_friction(compliance, slip, drive, limit, dt):
 
 
 @kernel
-def held(inertia, bodies, out, half, limit, drive, dt):
+def constrained(inertia, bodies, out, half, limit, drive, dt):
     """F_t of a constraint, for one body on a level surface; arguments as in `Meeting`."""
     if len(out) == 2:
         e = spread((1.0,), out)
@@ -381,7 +387,7 @@ def arm_moved(swept, drive):
 
 
 @kernel
-def rubbing(spring, inertia, meeting, slip, limit, dt):
+def element_friction(spring, inertia, meeting, slip, limit, dt):
     """F_t up to `limit`, and the spring's new length, which a constraint leaves as it is.
 
     Two rods side by side touch at both ends, which slip alike: the spring of a pair is solved as if
@@ -390,7 +396,7 @@ def rubbing(spring, inertia, meeting, slip, limit, dt):
     n, bodies = meeting.out, meeting.bodies
     if spring is None:
         drive = arm_moved(meeting.swept, slip.drive)
-        return held(inertia, bodies, n, meeting.half, limit, drive, dt), meeting.spring
+        return constrained(inertia, bodies, n, meeting.half, limit, drive, dt), meeting.spring
     half, free, many = across(meeting.half, n), across(slip.velocity, n), len(bodies)
     length = along_surface(meeting.spring, n)
     stretched = along(length, slip.since, half)
@@ -408,7 +414,8 @@ def friction_force(friction, inertia, meeting, slip, force, dt):
     """F_t under a normal force, and the spring's new length; without friction F_t is zero."""
     if friction is None:
         return nothing(meeting.spring), meeting.spring
-    return rubbing(friction.spring, inertia, meeting, slip, friction.coefficient * force, dt)
+    limit = friction.coefficient * force
+    return element_friction(friction.spring, inertia, meeting, slip, limit, dt)
 
 
 @kernel
@@ -428,7 +435,7 @@ def moved_across(inertia, bodies, out, rub):
 
 
 @kernel
-def seen(explicit, now, half, gain, dt):
+def at_step(explicit, now, half, gain, dt):
     """Velocity that dashpots see, as far as known, and the time for which a force acts on it.
 
     `explicit`: None: velocity of the step, on which a force acts for dt/2; True: `now`, on which it
@@ -443,7 +450,7 @@ def seen(explicit, now, half, gain, dt):
 def contact(normal, friction, inertia, meeting, dt):
     """Compute the `Force` of a `Meeting`: first F_n, with the last F_t, then F_t under this F_n."""
     n, overlap = meeting.out, meeting.overlap
-    velocity, implicit = seen(meeting.explicit, meeting.now, meeting.half, meeting.gain, dt)
+    velocity, implicit = at_step(meeting.explicit, meeting.now, meeting.half, meeting.gain, dt)
     push = moved(inertia, meeting.bodies, n)  # acceleration of the contact by a unit normal force
     light, closing = dot(push, n), dot(meeting.half, n)
     free = dot(velocity, n) - implicit * light * meeting.pressed

@@ -36,7 +36,7 @@ from .codes import (
     UPRIGHT,
     WALL_TOO_DEEP,
 )
-from .contact import free_turn, size, turn_by
+from .contact import elastic_energy, free_turn, size, turn_by
 from .neighbours import between_ends, gap_vector, near_end, too_fast
 from .pairs import NEARER, nearer, pair_forces, rise, seen_through
 from .plate import Moving, plate_at, plate_before, plate_forces
@@ -46,13 +46,13 @@ from .state import (
     director_of,
     field,
     forget,
+    gravity_force,
     inertia_of,
     keep,
     kept_of,
     place_of,
     turn_of,
     velocity_of,
-    weight,
 )
 from .touches import Record, cleared, full, recorded
 from .vectors import IN_PLANE, IN_SPACE, along, axial, dot, height, nothing, put, rotated, vector
@@ -258,20 +258,14 @@ def march(effects, state, watchers, clock, steps):
 
 
 @kernel
-def spring(law, overlap):
-    """Elastic energy of a contact, 0.4 k_n delta^(5/2), in m g d."""
-    return 0.4 * law.stiffness * overlap * overlap * sqrt(overlap) if overlap > 0.0 else 0.0
-
-
-@kernel
 def of_plate(law, upper, half, place, director, plate):
     """Elastic energy of the caps of a rod in the plate; `plate`: its height, d."""
     if law is None:
         return 0.0
-    total = spring(law, plate + 0.5 - height(place) + half * height(director))
+    total = elastic_energy(law, plate + 0.5 - height(place) + half * height(director))
     if upper is None:
         return total
-    return total + spring(law, plate + 0.5 - height(place) - half * height(director))
+    return total + elastic_energy(law, plate + 0.5 - height(place) - half * height(director))
 
 
 @kernel
@@ -282,14 +276,14 @@ def of_wall(wall, upper, half, place, director, side):
         return total
     for cap in range(1 if upper is None else 2):
         rho, _ = from_axis(along(place, half if cap else -half, director))
-        total += spring(wall.normal, 0.5 - side * (rho - wall.radius))
+        total += elastic_energy(wall.normal, 0.5 - side * (rho - wall.radius))
     seen = from_above(place, director)
     if side > 0 and passes(seen, half, wall.radius + 0.5):
         rho, _ = from_axis(along(place, -seen[1] / seen[2], director))
         lower, _ = from_axis(along(place, -half, director))
         upper_rho, _ = from_axis(along(place, half, director))
         share = rise((lower - rho) / NEARER)[0] * rise((upper_rho - rho) / NEARER)[0]
-        total += share * spring(wall.normal, 0.5 - rho + wall.radius)
+        total += share * elastic_energy(wall.normal, 0.5 - rho + wall.radius)
     return total
 
 
@@ -304,21 +298,21 @@ def of_crossing(law, half, apart, a, b):
     distance, share = sqrt(near.square), 1.0
     for end in range(4):
         share *= nearer(near_end(apart, a, b, half, end), distance)[0]
-    return share * spring(law, 1.0 - distance)
+    return share * elastic_energy(law, 1.0 - distance)
 
 
 @kernel
 def of_pair(law, upper, half, apart, a, b):
     """Elastic energy of all contacts of two rods."""
-    total = spring(law, 1.0 - sqrt(near_end(apart, a, b, half, 0).square))
+    total = elastic_energy(law, 1.0 - sqrt(near_end(apart, a, b, half, 0).square))
     if upper is None:
         return total
     for end in range(1, 4):
-        total += spring(law, 1.0 - sqrt(near_end(apart, a, b, half, end).square))
+        total += elastic_energy(law, 1.0 - sqrt(near_end(apart, a, b, half, end).square))
     for end in range(2):
         near = near_end(apart, a, b, half, end)
         r = gap_vector(apart, a, b, near.s, half if near.t > 0.0 else -half)
-        total -= spring(law, 1.0 - sqrt(dot(r, r)))
+        total -= elastic_energy(law, 1.0 - sqrt(dot(r, r)))
     return total + of_crossing(law, half, apart, a, b)
 
 
@@ -363,7 +357,7 @@ def energy(effects, rods, listed, plate, dt):
         place, director = earlier(up, rods, i, dt)
         c, w = velocity_of(up, rods, i), turn_of(up, rods, i)
         total += 0.5 * (dot(c, c) + spinning(effects.rolling, w, director) / effects.lightness)
-        total -= dot(weight(effects.gravity, place), place)
+        total -= dot(gravity_force(effects.gravity, place), place)
         total += of_plate(effects.normal, upper, half, place, director, plate)
         total += of_wall(effects.inner, upper, half, place, director, 1)
         total += of_wall(effects.outer, upper, half, place, director, -1)

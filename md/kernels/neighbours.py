@@ -266,7 +266,7 @@ def carry(kept, old, before, new, k):
 
 
 @kernel(inline=False)
-def listed_anew(n, listed, found, count):
+def rebuilt(n, listed, found, count):
     """Rebuild the list of n rods from the pairs `found`; entries keep their forces and springs."""
     old = listed.turn[0]
     new, start, index = 1 - old, listed.start, listed.index
@@ -319,7 +319,7 @@ def renewed(up, rods, half, period, listed, place, found):
         return True
     count = pair_up(up, rods, half, period, listed.order, place, found)
     if count >= 0:
-        listed_anew(rods.shape[0], listed, found, count)
+        rebuilt(rods.shape[0], listed, found, count)
         for i in range(rods.shape[0]):
             for c in range(listed.built.shape[1]):
                 listed.built[i, c] = rods[i, c]

@@ -32,9 +32,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..cache import kernel
-from .batch import MOST, TWO, Alike, Given, acted
-from .batch import collect as collected
+from .batch import MOST, TWO, Alike, Given, acted, enter
 from .codes import CROSSING, DEEP, DONE, FULL_LIST, PAIR_FRICTION, PAIR_NORMAL, PAIR_TOO_DEEP
+from .contact import elastic_energy
 from .neighbours import (
     PAIR,
     at_end,
@@ -131,7 +131,7 @@ def collect(effects, state, n, pair, near, share, slot):
     given = Given(i, j, entry, slot, gap, ((p, a), (q, b)), half, gain, share)
     listed, now = state.listed, state.listed.turn[0]
     forces, springs = listed.forces[now], kept_in(listed.springs, now)
-    return collected(state.scratch.batch, n, given, forces, springs, effects.up)
+    return enter(state.scratch.batch, n, given, forces, springs, effects.up)
 
 
 @kernel
@@ -296,8 +296,8 @@ def shared(law, total, pair, near, half):
     )
     (w_0, pull_0), (w_1, pull_1) = nearer(ends[0], distance), nearer(ends[1], distance)
     (w_2, pull_2), (w_3, pull_3) = nearer(ends[2], distance), nearer(ends[3], distance)
-    first, second, overlap = w_0 * w_1, w_2 * w_3, 1.0 - distance
-    energy = 0.4 * law.stiffness * overlap * overlap * sqrt(overlap) * (1 / NEARER)
+    first, second = w_0 * w_1, w_2 * w_3
+    energy = elastic_energy(law, 1.0 - distance) * (1 / NEARER)
     pulls = (
         energy * pull_0 * w_1 * second,
         energy * pull_1 * w_0 * second,

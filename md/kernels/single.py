@@ -21,10 +21,10 @@ from math import cos, pi, sin, sqrt
 from typing import Any, NamedTuple
 
 from ..cache import kernel
-from .codes import DEEP, DONE, NOT_FINITE, OPENED, STICK, TOO_DEEP
+from .codes import DEEP, DONE, FREE, NOT_FINITE, OPENED, STICK, TOO_DEEP
 from .contact import dashpot, tangential_constants
 from .plate import Moving, plate_at, plate_forces
-from .state import Kept, field, weight
+from .state import Kept, field, gravity_force
 from .touches import seen, watched
 from .vectors import ZERO, along, turned
 
@@ -199,7 +199,7 @@ def plate_after(vibration, t):
 
 
 @kernel
-def held(spring, mode, overlap, limit, length, slip):
+def in_mode(spring, mode, overlap, limit, length, slip):
     """F_t, the rate of the spring's length, and a signal that falls to zero as the mode changes.
 
     The signal is the friction or the slip that is left. `mode`: a mode of `codes`; `limit`: mu F_n;
@@ -218,11 +218,13 @@ def held(spring, mode, overlap, limit, length, slip):
 
 
 @kernel
-def rubbing(friction, mode, overlap, force, length, slip):
-    """F_t, rate of the spring's length and signal as in `held`; without friction 0, 0 and 1."""
+def friction_of_mode(friction, mode, overlap, force, length, slip):
+    """F_t, rate of the spring's length and signal as of `in_mode`; without friction 0, 0, 1."""
     if friction is None:
         return 0.0, 0.0, 1.0
-    return held(friction.spring, mode, overlap, friction.coefficient * force, length, slip)
+    if mode == FREE:
+        return 0.0, 0.0, 1.0
+    return in_mode(friction.spring, mode, overlap, friction.coefficient * force, length, slip)
 
 
 @kernel
@@ -239,7 +241,7 @@ def rates(effects, vibration, start, mode, t, y, out):
     and the slip. `start`: sin and cos of the tilt and height over the contact point at the touch.
     """
     sine, cosine, height = start
-    g_x, g_z = weight(effects.gravity, (0.0, 0.0))
+    g_x, g_z = gravity_force(effects.gravity, (0.0, 0.0))
     rise, plate = plate_after(vibration, t)
     bend, lag = sin(y[2] / 2), cos(y[2] / 2)
     lean = sine * lag + cosine * bend  # sin(tilt_0 + turn/2)
@@ -258,7 +260,7 @@ def rates(effects, vibration, start, mode, t, y, out):
         left = end_of(normal.plastic, left, rate)
         drive = g_x + -a_x * force * effects.lightness * a_z + y[5] * (plate - y[4])
         seen = Slip(slip, drive, 1 / (1 + a_z * a_z * effects.lightness))
-        rub, stretch, spare = rubbing(effects.friction, mode, overlap, force, y[6], seen)
+        rub, stretch, spare = friction_of_mode(effects.friction, mode, overlap, force, y[6], seen)
     out[0], out[1], out[2] = y[3], y[4], y[5]
     out[3], out[4] = g_x + rub, g_z + force
     out[5] = (a_z * rub - a_x * force) * effects.lightness

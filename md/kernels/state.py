@@ -139,7 +139,7 @@ def point(effects, velocity, turn, director, arm):
 
 
 @kernel
-def weight(gravity, like):
+def gravity_force(gravity, like):
     """Force of gravity on a rod, m g, with as many components as `like`; zero without gravity."""
     if gravity is None:
         return nothing(like)
@@ -151,7 +151,7 @@ def weight(gravity, like):
 @kernel
 def field(effects, velocity):
     """Force on a rod by all effects but contacts, m g."""
-    return weight(effects.gravity, velocity)
+    return gravity_force(effects.gravity, velocity)
 
 
 @kernel

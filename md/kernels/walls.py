@@ -10,9 +10,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..cache import kernel
-from .batch import FORCE, MOST, ONE, Alike, Given, acted, get
-from .batch import collect as collected
+from .batch import FORCE, MOST, ONE, Alike, Given, acted, enter, get
 from .codes import DEEP, INNER, OUTER, PLATE_WORK, WALL_FRICTION, WALL_NORMAL
+from .contact import elastic_energy
 from .pairs import NEARER, moving, pull, rise
 from .state import director_of, forget, inertia_of, place_of
 from .vectors import IN_SPACE, along, raised, times
@@ -85,7 +85,7 @@ def collect(effects, state, n, i, at, climb, dt):
     # a rounding may have told a touch
     gap = times(0.5 + min(at.reach, 0.5), at.out)
     given = Given(rod, rod, rod, at.slot, gap, ((arm, director),), half, gain, at.share)
-    return collected(state.scratch.batch, n, given, state.forces, state.springs, IN_SPACE)
+    return enter(state.scratch.batch, n, given, state.forces, state.springs, IN_SPACE)
 
 
 @kernel
@@ -120,8 +120,8 @@ def beside(wall, state, i, half, s):
     w_u, slope_u = rise((upper - rho) * (1 / NEARER))
     at = At(s, rho - wall.radius, out, w_l * w_u, INNER + 2)
     if slope_l + slope_u != 0.0:
-        overlap, total = max(0.5 - at.reach, 0.0), state.scratch.total
-        energy = 0.4 * wall.normal.stiffness * overlap * overlap * sqrt(overlap) * (1 / NEARER)
+        total = state.scratch.total
+        energy = elastic_energy(wall.normal, 0.5 - at.reach) * (1 / NEARER)
         pulled = energy * (slope_l * w_u + w_l * slope_u)
         pull(total, i, times(s, director), times(pulled, out))
         pull(total, i, times(-half, director), times(-energy * slope_l * w_u, out_l))
