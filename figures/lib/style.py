@@ -1,4 +1,4 @@
-"""Look of the figures: style, colours, panels, curves with errors, the boundary of reversal."""
+"""Look of the figures: style, colours, panels, curves with errors."""
 
 from collections.abc import Callable, Iterable, Mapping
 from functools import wraps
@@ -9,12 +9,10 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import QuadMesh
 from matplotlib.colors import BoundaryNorm, LinearSegmentedColormap, ListedColormap
 from matplotlib.figure import Figure
-from scipy.ndimage import distance_transform_edt, maximum_filter, minimum_filter
 
-from impact import Regime, critical_tilts, slide_friction, spherocylinder, thin_rod
+from impact import Regime, spherocylinder
 
 Data = dict[str, np.ndarray]  # of a figure: arrays by name
 Look = dict[str, Any]  # options of Matplotlib
@@ -52,7 +50,7 @@ FORWARD, REVERSE = "#B2182B", "#2166AC"
 REGIME_MAP = ListedColormap(["#A9D8F5", "#FBF5BE", "#EDA677"])
 REGIME_COLOURS = SKY, "#A08A00", "#B4481E"  # of curves
 REGIME_NORM = BoundaryNorm([0.5, 1.5, 2.5, 3.5], 3)
-_REGIMES: Look = {"cmap": REGIME_MAP, "norm": REGIME_NORM, "rasterized": True, "zorder": 0}
+REGIME_LOOK: Look = {"cmap": REGIME_MAP, "norm": REGIME_NORM, "rasterized": True, "zorder": 0}
 
 REGIME_WORDS = {
     Regime.SLIDE: "slide",
@@ -71,83 +69,10 @@ SHAPE_COLOURS = {"thin": THEORY, "round": RIGID, "flat": PURPLE}
 WARM = LinearSegmentedColormap.from_list("warm", ["#FFFFFF", ORANGE, RED])
 
 
-def reversal_boundary(points: int) -> dict[str, np.ndarray]:
-    """Critical tilts of a thin rod, both roots as one line from (0, 0) over the end to (90, 0)."""
-    lower, upper = critical_tilts(friction := 0.75 * np.sin(np.linspace(0, np.pi / 2, points)))
-    return {
-        "critical_tilt": np.concatenate([lower, upper[::-1]]),
-        "critical_friction": np.concatenate([friction, friction[::-1]]),
-    }
-
-
-def where_it_stops(boundary: dict[str, np.ndarray], **setting: float) -> np.ndarray:
-    """The boundary's tilts, nan where the contact slides through and can neither stick nor turn."""
-    slide = slide_friction(thin_rod(boundary["critical_tilt"]), **setting)
-    return np.where(boundary["critical_friction"] >= slide, boundary["critical_tilt"], np.nan)
-
-
 def hit_again_tilt(length: float, restitution: float) -> float:
     """Tilt [rad] X^2 = epsilon k^2 from which on a stationary rod is hit again at once."""
     upright, flat = spherocylinder(0.0, length), spherocylinder(np.pi / 2, length)
     return float(np.arcsin(np.sqrt(restitution) * upright.k / flat.X))
-
-
-def map_regimes(
-    ax: Axes, tilt_deg: np.ndarray, friction: np.ndarray, regime: np.ndarray
-) -> QuadMesh:
-    """Colour the panel by regime over tilt and friction."""
-    return ax.pcolormesh(tilt_deg, friction, regime, shading="nearest", **_REGIMES)
-
-
-def name_regimes(
-    ax: Axes,
-    tilt_deg: np.ndarray,
-    friction: np.ndarray,
-    regime: np.ndarray,
-    line: float = np.inf,
-) -> None:
-    """Name each regime of a map where it is widest, the largest first; no name crosses a line.
-
-    One that is too narrow for its name gets an arrow.
-
-    Parameters
-    ----------
-    tilt_deg, friction : (columns,), (rows,), evenly spaced over the whole panel
-    regime : (rows, columns)
-    line : friction of a line across the panel
-    """
-    framed = np.pad(regime + 10 * (friction[:, None] > line), 1)
-    free = framed > 0  # of other names
-    for number in sorted(REGIME_WORDS, key=lambda one: -np.sum(regime == one)):
-        there, name = framed % 10 == number, REGIME_WORDS[number]
-        if not there.any():
-            continue
-        depth, word = distance_transform_edt(there), ax.text(0, 0, name, ha="center", va="center")
-        for words in (name, name.replace(" ", "\n")):
-            word.set_text(words)
-            room = np.divide(word.get_window_extent().size, ax.get_window_extent().size)
-            size = np.ceil(1.3 * room[::-1] * regime.shape).astype(int)
-            fits = maximum_filter(framed, size) == minimum_filter(framed, size)
-            fits &= minimum_filter(free, size)
-            if (inside := fits & there).any():
-                break
-        widest = np.argmax(depth * (inside | ~inside.any()))
-        at = target = np.array(np.unravel_index(widest, depth.shape))
-        word.remove()
-        if not inside.any():
-            away = (places := np.argwhere(fits)) - target  # so that there is an arrow
-            away = np.where(np.all(np.abs(away) < size, axis=1)[:, None], np.inf, away)
-            at = places[np.argmin(np.hypot(*away.T))]
-        tip, place = ((tilt_deg[column - 1], friction[row - 1]) for row, column in (target, at))
-        ax.annotate(words, tip, place, **(CENTRED if tip == place else ASIDE))
-        begin = np.maximum(at - size // 2, 0)
-        free[tuple(map(slice, begin, begin + size))] = False
-
-
-def shade(ax: Axes, edges_deg: np.ndarray, regime: np.ndarray) -> QuadMesh:
-    """Colour the panel by regime over tilt; `regime` holds between the edges."""
-    upright = ax.get_xaxis_transform()
-    return ax.pcolormesh(edges_deg, [0, 1], regime[None], transform=upright, alpha=0.5, **_REGIMES)
 
 
 def tilt_axis(ax: Axes, low: float = 0, high: float = 90, step: float = 15) -> None:

@@ -12,17 +12,15 @@ import numpy as np
 from impact import classify, critical_tilts, slide_friction, thin_rod
 
 from ..lib.style import (
+    REGIME_LOOK,
+    REGIME_WORDS,
     RIGID,
     Data,
     legend_above,
-    map_regimes,
     name_panels,
-    name_regimes,
     note,
-    reversal_boundary,
     style,
     tilt_axis,
-    where_it_stops,
 )
 
 APPROACH_RATIOS = (1.0, 2.0, 10.0)  # -c_z/c_x of panels (a), (b), (c)
@@ -39,7 +37,13 @@ def data(quick: bool = False, friction: float | None = None, restitution: float 
     how = {"geometry": thin_rod(tilt), "friction": over[:, None], "restitution": restitution}
     regime = classify(1.0, -ratio[:, None], **how)
     setting = {"approach_ratio": ratio, "restitution": restitution}
-    reversal, line = reversal_boundary(points), np.linspace(0, np.pi / 2, points)
+    line = np.linspace(0, np.pi / 2, points)
+    # both roots as one line, from (0, 0) over the end of slip reversal to (90 degrees, 0)
+    rising = 0.75 * np.sin(line)
+    lower, upper = critical_tilts(rising)
+    critical_tilt = np.concatenate([lower, upper[::-1]])
+    critical_friction = np.concatenate([rising, rising[::-1]])
+    stops = critical_friction >= slide_friction(thin_rod(critical_tilt), **setting)
     return {
         "approach_ratio": ratio.ravel(),
         "restitution": np.float64(restitution),
@@ -49,8 +53,8 @@ def data(quick: bool = False, friction: float | None = None, restitution: float 
         "regime": regime,
         "slide_tilt": line,
         "slide_friction": slide_friction(thin_rod(line), **setting),
-        "critical_tilt": where_it_stops(reversal, **setting),
-        "critical_friction": reversal["critical_friction"],
+        "critical_tilt": np.where(stops, critical_tilt, np.nan),
+        "critical_friction": critical_friction,
         "reversal_end": np.array([critical_tilts(0.75)[0], 0.75]),
     }
 
@@ -61,7 +65,7 @@ def draw(d: Data) -> plt.Figure:
     tilt_deg = np.degrees(d["tilt"])
     end_deg, end_friction = np.degrees(d["reversal_end"][0]), d["reversal_end"][1]
     for i, ax in enumerate(axes):
-        map_regimes(ax, tilt_deg, d["friction"], d["regime"][i])
+        mesh = ax.pcolormesh(tilt_deg, d["friction"], d["regime"][i], **REGIME_LOOK)
         slide = np.where(np.isfinite(d["slide_friction"][i]), d["slide_friction"][i], np.nan)
         ax.plot(np.degrees(d["slide_tilt"]), slide, "k-", label=r"$u_*=0$, Eq. (14)")
         critical_deg = np.degrees(d["critical_tilt"][i])
@@ -78,7 +82,7 @@ def draw(d: Data) -> plt.Figure:
     legend_above(figure, axes[2], ncols=5)
     restitution = rf"restitution $\epsilon={d['restitution']:g}$"
     note(figure, rf"thin rod, {restitution}, no spin before the impact ($\omega=0$)")
-    figure.draw_without_rendering()  # panels take their size
-    for ax, regime in zip(axes, d["regime"], strict=True):
-        name_regimes(ax, tilt_deg, d["friction"], regime, d.get("marked", np.inf))
+    bar = figure.colorbar(mesh, ax=axes, pad=0.02, aspect=12, label="regime")
+    words = [word.replace(" ", "\n") for word in REGIME_WORDS.values()]
+    bar.set_ticks([*REGIME_WORDS], labels=words)
     return figure

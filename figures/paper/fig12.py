@@ -33,6 +33,7 @@ from ..lib.soft_impacts import (
 from ..lib.style import (
     CENTRED,
     LAW_COLOURS,
+    REGIME_LOOK,
     REGIME_WORDS,
     RESTITUTION_LAWS,
     RIGID,
@@ -42,7 +43,6 @@ from ..lib.style import (
     legend_above,
     note,
     painted,
-    shade,
     style,
     tilt_axis,
 )
@@ -101,7 +101,10 @@ def data(
 
 def _draw_velocities(ax: Axes, d: Data, i: int) -> None:
     deg, line_deg = np.degrees(d["tilt"]), np.degrees(d["line_tilt"])
-    shade(ax, np.degrees(d["line_edges"]), d["line_regime"])
+    edges_deg, upright = np.degrees(d["line_edges"]), ax.get_xaxis_transform()
+    ax.pcolormesh(
+        edges_deg, [0, 1], d["line_regime"][None], transform=upright, alpha=0.5, **REGIME_LOOK
+    )
     some = slice(None, None, 1 if deg.size < 50 else 3)
     for part, marker in (("c_x", "o"), ("c_z", "s")):
         ax.plot(deg, d[f"measured_{part}"][i], color=RIGID, lw=3, alpha=0.4)
