@@ -7,31 +7,24 @@ or frictions have no part here.
 
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import replace
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 from joblib import cpu_count
 
 from md.cache import digest
-from md.store import Store
-from md.sweep import Point, Sweep, execute
 
 from ..lib.runs import lacking, row_of, tilt_plan, tilts
-from ..pages.everything import in_words
+from ..pages.everything import in_words, run_seconds
 from . import over_tilt
 from .judge import MARKS, judged_number, limits_shown, shown
 from .limits import VERDICTS
 from .uncertainty import resampled
 
-EACH, TRIED_PERIODS = 8, 20  # of the runs, one in `EACH` is tried
-
 
 def estimate(scene: str, quick: bool = False) -> Iterator[str]:
     """Sentences on what the store holds and, if it lacks something, on how long the rest takes.
 
-    Some of the runs are timed, much shortened: upright rows take five times as long as flat ones.
+    On the machine of prices, by rods and steps; upright rows take longer than flat ones.
 
     Parameters
     ----------
@@ -43,20 +36,8 @@ def estimate(scene: str, quick: bool = False) -> Iterator[str]:
     there = len(points) - len(left) or "none"
     yield f"{len(points)} runs, {there if left else 'all'} of them stored"
     if left:
-        seconds = _seconds(left) / cpu_count()
-        yield f"those left take about {in_words(seconds)}, by short ones"
-
-
-def _seconds(points: list[Point]) -> float:
-    """Processor seconds of runs by those of short ones, in as many processes; compiles."""
-    tried = tuple(replace(point, periods=TRIED_PERIODS) for point in points[::EACH])
-    with TemporaryDirectory() as folder:
-        store = Path(folder, "tried.db")
-        execute(Sweep((), tried), store, progress=True)
-        with Store(store) as database:
-            found = [database.result(point.key) or {} for point in tried]
-    spent = sum(result.get("run_seconds", 0.0) for result in found)
-    return spent / len(tried) * sum(point.periods for point in points) / TRIED_PERIODS
+        seconds = run_seconds(left) / cpu_count()
+        yield f"those left take about {in_words(seconds)} and the time to compile"
 
 
 def judged(scene: str, quick: bool = False) -> dict[str, Any]:
