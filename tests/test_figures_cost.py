@@ -36,7 +36,7 @@ from .quick_figures import FEW_EFFECTS, SIZES, check_figure, data, each_of, tiny
 from .reference import reference_collide
 from .sampling import LAWS, each_law
 
-PRICED = "effect_prices", "scaling"
+PRICED = [*price_page.PRICE_PANELS]
 
 
 @each_of("cost")
@@ -296,22 +296,21 @@ def test_a_price_is_of_one_call_of_many(monkeypatch):
 
 @pytest.fixture
 def small():
-    """Two of the figures, whose data are there; the rest of the command in small sizes."""
+    """Figures whose data are there; the rest of the command in small sizes."""
     with tiny() as patch:
-        patch.setattr(price_page, "PRICE_PANELS", dict.fromkeys(PRICED, "time"))
         for name in PRICED:
             patch.setattr(figures.load(name), "data", Mock(return_value=data(name)))
         yield
 
 
 def test_what_was_measured_in_full_is_not_measured_quickly_again(small, tmp_path):
-    first, second = PRICED
+    first, *others = PRICED
     full = data(first) | {"load": np.float64(1e4)}
     keep(tmp_path / f"{first}.npz", first, False, full)
     kept = (tmp_path / f"{first}.npz").read_bytes()
     assert main(["prices", "--out", str(tmp_path)]) == 0
     assert (tmp_path / f"{first}.npz").read_bytes() == kept
-    assert made(tmp_path / f"{second}.npz")["quick"]
+    assert all(made(tmp_path / f"{name}.npz")["quick"] for name in others)
     assert "load 10000.0" in (tmp_path / "prices.json").read_text(encoding="utf-8")
 
 

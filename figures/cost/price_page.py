@@ -15,53 +15,57 @@ from . import accuracy_cost_drift, accuracy_cost_ladder, effect_prices, exact_im
 
 PRICE_PANELS = {name: entry.panel for name, entry in FIGURES.items() if entry.panel}
 IMPACTS, CHECKED = 200_000, 20_000  # timed; compared with many digits
-WIDE = {"accuracy_cost_ladder", "effect_prices"}  # across the page; the others two abreast
+LAYOUT = [
+    ["accuracy_cost_ladder", "accuracy_cost_ladder"],
+    ["effect_prices", "effect_prices"],
+    ["accuracy_cost_drift", "scaling"],
+]
+HEIGHTS = 6.2, 6.2, 2.9  # inches
+Found = Mapping[str, Mapping[str, np.ndarray]]  # data of the figures in `PRICE_PANELS`, by name
+
+
+def _machine(found: Found) -> str:
+    """The machine, and the largest load under which one of the figures was measured."""
+    return machine_line(max(float(d["load"]) for d in found.values()))
 
 
 @style
-def draw(found: Mapping[str, Mapping[str, np.ndarray]]) -> plt.Figure:
-    """Main panels of the figures whose data are given, by name."""
-    narrow = [name for name in found if name not in WIDE]
-    layout = [[name, name] for name in found if name in WIDE]
-    layout += [[narrow[i], narrow[min(i + 1, len(narrow) - 1)]] for i in range(0, len(narrow), 2)]
-    heights = [6.2 if row[0] in WIDE else 2.9 for row in layout]
-    size = 7.0, sum(heights)
-    figure, axes = plt.subplot_mosaic(layout, figsize=size, height_ratios=heights)
+def draw(found: Found) -> plt.Figure:
+    """Main panels of the figures of prices, from their data."""
+    size = 7.0, sum(HEIGHTS)
+    figure, axes = plt.subplot_mosaic(LAYOUT, figsize=size, height_ratios=HEIGHTS)
     for name, ax in axes.items():
         load(name).panel(ax, found[name])
     name_panels(axes.values(), map(PRICE_PANELS.get, axes))
-    load_then = next((float(d["load"]) for d in found.values() if "load" in d), np.nan)
-    note(figure, machine_line(load_then))
+    note(figure, _machine(found))
     return figure
 
 
-def numbers(found: Mapping[str, Mapping[str, np.ndarray]]) -> dict[str, Any]:
+def numbers(found: Found) -> dict[str, Any]:
     """What the figures measured, for other programs, and what one impact costs.
 
     Pairs are a value and its standard error; times of steps are in ns per step of a rod; nan: not
     known.
     """
-    made: dict[str, Any] = {"machine": machine_line(max(float(d["load"]) for d in found.values()))}
-    if d := found.get("accuracy_cost_ladder"):
-        keys = "group", "label", "seconds", "periods", "deviation", "error", "scatter"
-        off = accuracy_cost_ladder.deviations(d)
-        told = [d[name] for name in keys[:4]]
-        made["ladder"] = _rows(keys, *told, *off)
-    if d := found.get("accuracy_cost_drift"):
-        made["tolerance"] = accuracy_cost_drift.runs(d)
-    if d := found.get("effect_prices"):
-        prices, changes = (d["alone"][:, :2], d["within"][:, :2]), effect_prices._changes(d)
-        keys = "name", "alone", "within", "drift"
-        made["effects"] = _rows(keys, effect_prices.rows(), *prices, changes)
-        made |= {"full": d["full"][:2], "bare": d["bare"][:2], "drift_cm_s": d["drift"][:, 0]}
-    if d := found.get("scaling"):
-        made["rods"] = _rows(("count", "ns"), d["counts"], d["row"][:, :2])
-        gain = d["sweep"][0, 0] / d["sweep"][:, 0]
-        made["cores"] = _rows(("count", "gain"), d["workers"], gain)
-    made["impact_ns"] = benchmark(IMPACTS)["ns_per_impact"]
+    ladder, effects, rods = (found[n] for n in ("accuracy_cost_ladder", "effect_prices", "scaling"))
+    ways = "group", "label", "seconds", "periods"
+    answers = [*(ladder[name] for name in ways), *accuracy_cost_ladder.deviations(ladder)]
+    prices = effects["alone"][:, :2], effects["within"][:, :2], effect_prices._changes(effects)
+    gain = rods["sweep"][0, 0] / rods["sweep"][:, 0]
     largest = exact_impacts.largest_errors(CHECKED)
-    made["impact_ulp"] = _rows(("law", "largest"), RESTITUTION_LAWS, largest)
-    return made
+    return {
+        "machine": _machine(found),
+        "ladder": _rows((*ways, "deviation", "error", "scatter"), *answers),
+        "tolerance": accuracy_cost_drift.runs(found["accuracy_cost_drift"]),
+        "effects": _rows(("name", "alone", "within", "drift"), effect_prices.rows(), *prices),
+        "full": effects["full"][:2],
+        "bare": effects["bare"][:2],
+        "drift_cm_s": effects["drift"][:, 0],
+        "rods": _rows(("count", "ns"), rods["counts"], rods["row"][:, :2]),
+        "cores": _rows(("count", "gain"), rods["workers"], gain),
+        "impact_ns": benchmark(IMPACTS)["ns_per_impact"],
+        "impact_ulp": _rows(("law", "largest"), RESTITUTION_LAWS, largest),
+    }
 
 
 def _rows(keys: tuple[str, ...], *columns: Iterable) -> list[dict[str, Any]]:

@@ -109,21 +109,43 @@ def shades(count: int) -> np.ndarray:
     return plt.get_cmap("viridis")(np.linspace(0, 0.8, count))
 
 
-def points(ax: Axes, x: Any, y: Any, error: Any, colour: str = BLACK, **look: Any) -> None:
+def points(
+    ax: Axes,
+    x: Any,
+    y: Any,
+    error: Any,
+    colour: str = BLACK,
+    *,
+    form: str = "o-",
+    hollow: bool = False,
+    **look: Any,
+) -> None:
     """Points with their errors, joined.
 
     Parameters
     ----------
     x, y, error : arrays
-    look : of the points; also `form` (default "o-") and `hollow` (open symbols)
+    form : marker and line, as `plt.plot` takes them
+    hollow : open symbols
+    look : of the points
     """
-    form, face = look.pop("form", "o-"), {"mfc": "white"} if look.pop("hollow", False) else {}
-    look = {"ms": 3, "lw": 0.7, "elinewidth": 0.7, "mew": 0.7, **look, **face}
+    face = "white" if hollow else colour
+    look = {"ms": 3, "lw": 0.7, "elinewidth": 0.7, "mew": 0.7, "mfc": face, **look}
     ax.errorbar(x, y, error, fmt=form, color=colour, **look)
 
 
 def curve(
-    ax: Axes, d: Data, x: str, y: str, colour: str = BLACK, label: str | None = None, **look: Any
+    ax: Axes,
+    d: Data,
+    x: str,
+    y: str,
+    colour: str = BLACK,
+    label: str | None = None,
+    *,
+    at: Any = ...,
+    scale: float = 1.0,
+    both: bool = False,
+    **look: Any,
 ) -> None:
     """Arrays of a figure as `points`.
 
@@ -131,11 +153,12 @@ def curve(
     ----------
     d : data; holds `x`, `y`, `y_error`, and `x_error` if that is to be shown too
     x, y : names of arrays
-    look : of `points`; also `at` (index into `y`), `scale` (factor of `y`), `both` (errors of `x`
-        as well)
+    at : index into `y`
+    scale : factor of `y`
+    both : errors of `x` as well
+    look : of `points`
     """
-    scale, at = look.pop("scale", 1.0), look.pop("at", ...)
-    if look.pop("both", False):
+    if both:
         look["xerr"] = d[f"{x}_error"]
     error = np.abs(scale) * d[f"{y}_error"][at]
     points(ax, d[x], scale * d[y][at], error, colour, label=label, **look)
