@@ -8,7 +8,7 @@ r"""A scene as an animation: rods of true width, the plate, and what the tip of 
 The ends of a box meet: a rod that leaves on the right comes back on the left. An annulus is shown
 rolled out: rods at their place around it, as they lean along it. One rod is marked, with its path
 behind it, which shows the drift. The lower panel shows its lowest point (red) and the plate (grey):
-both move by a small part of a rod's width. The picture of the README, 1.4 MB:
+both move by a small part of a rod's width. The picture of the README, 1.7 MB:
 
     python -m figures movie quasi2d --set rods.count=20 --set box.length=24 --set step.size=4e-5 \
         --periods 24 --frames 4 --out figures/gallery/row.gif
@@ -20,7 +20,6 @@ from typing import NamedTuple
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import LineCollection
-from matplotlib.colors import to_rgb
 from PIL import Image
 from tqdm import tqdm
 
@@ -32,6 +31,7 @@ from ..lib.style import RED, style
 
 FPS = 25
 LARGEST = 5000  # pictures
+COLOURS = 16  # of all pictures
 TRACE = 32  # points a period of the lower panel, at least
 WINDOW = 4.0  # periods in the lower panel
 INCHES, DPI = 6.0, 100
@@ -204,33 +204,25 @@ class Picture:
         cuts = np.flatnonzero(np.diff(x // self.film.length)) + 1
         return np.split(np.stack([x % self.film.length, z], -1), cuts)
 
-    def shot(self, picture: int, palette: Image.Image) -> Image.Image:
-        """Picture number `picture` in the colours of a palette."""
+    def shot(self, picture: int) -> Image.Image:
+        """Picture number `picture`, in all its colours."""
         self.show(picture)
         self.figure.canvas.draw()
-        drawn = Image.fromarray(np.asarray(self.figure.canvas.buffer_rgba())).convert("RGB")
-        return drawn.quantize(palette=palette, dither=Image.Dither.NONE)
-
-
-def _palette() -> Image.Image:
-    """Palette of all colours, and of the colours halfway between those that meet."""
-    colours = np.array([to_rgb(c) for c in ("white", "black", "0.5", GREY, DARK, PALE, RED)])
-    between = colours[[(0, 4), (4, 5), (4, 6), (0, 6), (5, 6)]].mean(axis=1)
-    image = Image.new("P", (1, 1))
-    image.putpalette(np.rint(255 * np.vstack([colours, between])).astype(int).ravel().tolist())
-    return image
+        return Image.fromarray(np.asarray(self.figure.canvas.buffer_rgba())).convert("RGB")
 
 
 @style
 def write(film: Film, path: str | Path, progress: bool = False) -> None:
     """Write a film as a GIF that repeats.
 
-    It has one palette for all pictures: a fifth of the size of one palette each.
+    It has one palette for all pictures, of the middle one: half of the size of one palette each.
     """
-    picture, palette = Picture(film), _palette()
+    picture = Picture(film)
     numbers = tqdm(range(film.pictures), unit=" frames", disable=None if progress else True)
     try:
-        first, *rest = (picture.shot(number, palette) for number in numbers)
+        palette = picture.shot(film.pictures // 2).quantize(COLOURS)
+        plain = Image.Dither.NONE
+        first, *rest = (picture.shot(n).quantize(palette=palette, dither=plain) for n in numbers)
         how = {"duration": 1000 // FPS, "loop": 0, "disposal": 1}
         first.save(path, save_all=True, append_images=rest, **how)
     finally:
