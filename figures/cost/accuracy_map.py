@@ -12,7 +12,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import BoundaryNorm
 
-from impact import collide, critical_friction, slide_friction, thin_rod
+from impact import collide, critical_friction, painleve_friction, slide_friction, thin_rod
 
 from ..lib.style import Data, name_panels, style, tilt_axis
 from .exact_impacts import Impacts, literal, reference
@@ -50,19 +50,17 @@ def _lines(points: int) -> Data:
     """Friction at the boundaries of the regimes and of the Painlevé region, over tilt."""
     tilt = np.linspace(-np.pi / 2, np.pi / 2, points)
     rod = thin_rod(tilt)
-    X, Z, k = rod
+    X, Z, _ = rod
     # the ratio of the contact point stands for that of a rod without spin
     ratio = (1 - 0.7 * X) / (1 - 0.7 * Z)
     slide = slide_friction(rod, approach_ratio=ratio, restitution=0.8)
     holds = np.where((X > 0) & (critical_friction(rod) >= slide), critical_friction(rod), np.nan)
     left = (tilt < 0) & (Z > 1e-9)
-    painleve = np.full(points, np.nan)
-    painleve[left] = (k[left] ** 2 + X[left] ** 2) / -(X * Z)[left]
     return {
         "line_tilt": tilt,
         "slide_friction": np.where(np.isfinite(slide) & (slide > 0), slide, np.nan),
         "critical_friction": holds,
-        "painleve_friction": painleve,
+        "painleve_friction": np.where(left, painleve_friction(rod), np.nan),
     }
 
 

@@ -105,8 +105,8 @@ class Row:
     def rod(self, tilt: float | np.ndarray) -> ContactGeometry:
         """Round tip, and the gyration radius of the scene's rods; tilt in radians."""
         rods = self.scene.rods
-        tip = spherocylinder(tilt, rods.length)
-        return tip._replace(k=rods.length / np.sqrt(12)) if rods.inertia == "thin" else tip
+        rod = paper_rod if rods.inertia == "thin" else spherocylinder
+        return rod(tilt, rods.length)
 
 
 def row_of(scene: str | None) -> Row:
@@ -152,11 +152,6 @@ def _own(scene: str, place: str) -> Row:
 STORE = Path("out/rows.db")  # of all runs; what `--store` of the commands sets
 
 
-def store() -> Path:
-    """Path of the store of all runs."""
-    return STORE
-
-
 def boxes(tilt_deg: Iterable[float], count: int = COUNT) -> list[float]:
     """Lengths of the box that give these tilts [deg] in a row."""
     return (count / np.cos(np.radians(np.array([*tilt_deg])))).tolist()
@@ -192,20 +187,20 @@ def measured_by(sweep: Sweep, measure: Callable[[Any, int], dict[str, Any]]) -> 
 
 def lacking(points: Iterable[Point]) -> list[Point]:
     """Those that the store does not hold, none twice."""
-    with Store(store()) as database:
+    with Store(STORE) as database:
         distinct = {point.key: point for point in points}
         return [point for key, point in distinct.items() if not database.has(key)]
 
 
 def computed(sweep: Sweep, workers: int = -1) -> Sweep:
     """The same sweep, run as far as the store does not hold it."""
-    execute(sweep, store(), workers=workers, progress=True)
+    execute(sweep, STORE, workers=workers, progress=True)
     return sweep
 
 
 def gathered(sweep: Sweep, *names: str) -> tuple[np.ndarray, ...]:
     """Results along the axes of a sweep, which is run as far as the store does not hold it."""
-    return computed(sweep).gather(store(), *names)
+    return computed(sweep).gather(STORE, *names)
 
 
 def over_seeds(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -16,6 +16,7 @@ from matplotlib.axes import Axes
 from impact import drift
 from md import Scene
 
+from ..claims.over_tilt import BOTH_SIDES
 from ..lib.runs import means, row_of, tilt_plan, tilt_sweeps, tilts
 from ..lib.style import (
     BLACK,
@@ -30,10 +31,9 @@ from ..lib.style import (
     tilt_axis,
 )
 
-VELOCITIES = [f"{name}_{side}" for name in ("c_x", "c_z", "omega") for side in ("before", "after")]
 VELOCITY_MEANS = {  # name here: name in the store
-    **{name: f"touches.{name}.mean" for name in VELOCITIES},
-    **{f"landing_{name}": f"landings.{name}.mean" for name in VELOCITIES},
+    **{name: f"touches.{name}.mean" for name in BOTH_SIDES},
+    **{f"landing_{name}": f"landings.{name}.mean" for name in BOTH_SIDES},
     "plate": "touches.plate_velocity.mean",
     "plate_by_speed": "touches.plate_velocity_by_speed.mean",
     "landing_plate": "landings.plate_velocity.mean",

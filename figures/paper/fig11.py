@@ -9,11 +9,8 @@ from mu = 3/4 on, there is no inset.
 
 import matplotlib.pyplot as plt
 import numpy as np
-import sympy as sp
 
-from derivations.bodies import THIN
-from derivations.drift import stationary
-from derivations.symbols import V_z, epsilon, length, mu, phi
+from derivations import function
 from impact import Regime, critical_tilts, drift, thin_rod
 
 from ..lib.style import (
@@ -40,10 +37,9 @@ def data(quick: bool = False, friction: float = 0.3, restitution: float = 0.65) 
     moves = drift(rod, friction=friction, restitution=restitution)
     sticking = drift(rod, friction=np.inf, restitution=restitution)
     # `drift` never leaves the branch that holds; this one is followed beyond its range.
-    form = (stationary("back")[0] / V_z).subs(THIN).subs(length, 1)  # any length: it cancels
-    back = sp.lambdify((phi, mu, epsilon), form)
+    back = function("29")
     with np.errstate(divide="ignore"):  # without losses, upright
-        reversing = back(tilt, friction, restitution)
+        reversing = back(phi=tilt, mu=friction, epsilon=restitution, V_z=1.0)
     return {
         "friction": np.float64(friction),
         "restitution": np.float64(restitution),
