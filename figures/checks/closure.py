@@ -80,7 +80,7 @@ STEPS = {  # in order; each keeps what the ones before replaced
 }
 SIDES = [f"{name}_{side}" for side in ("before", "after") for name in ("c_x", "c_z", "omega")]
 VELOCITIES = ("V_z", *SIDES)  # means over touches, and over landings
-MEANS = ("drift", "tilt", "restitution", "alone", *VELOCITIES)
+MEANS = ("drift", "tilt", "restitution", *VELOCITIES)
 LANDED = "landing_"  # before these names
 
 
@@ -252,7 +252,7 @@ def data(quick: bool = False) -> Data:
 
     nominal = np.degrees(np.arccos(scene.rods.count / sweep.values("box.length")))
     found: Data = {"nominal_deg": nominal}
-    for name in ("drift", "tilt", "alone"):
+    for name in ("drift", "tilt"):
         found[name], found[f"{name}_error"] = larger_error(*np.moveaxis(of[name], -1, 0))
     units = {"V_z": speed, "gain": speed, "spin": 2 * speed / LENGTH}
     larger = nominal > SMALL_DEG

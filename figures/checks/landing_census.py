@@ -58,7 +58,7 @@ CONTACT_NAMES = {"constraint": "constraint", "appendix_a": "Appendix A"}
 KINDS = {"pushed_residual": "s:", "isolated_residual": "o-", "isolated_allowed": "^--"}  # of errors
 KIND_NAMES = "pushed", "isolated", "allowed for"
 STORED = (
-    *("tilt", "isolated_count", "slide", "stick", "reversal", "shared", "disturbed", "agree"),
+    *("tilt", "isolated_count", "slide", "stick", "reversal", "shared", "disturbed"),
     *KINDS,
 )
 

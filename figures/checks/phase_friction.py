@@ -22,7 +22,7 @@ from ..paper.fig02 import AT_TOUCH
 
 OF_LAW = ROW["contacts"]["plate"]["restitution"]
 HALO = withStroke(linewidth=2, foreground="w")
-FRICTION_MEANS = {"c_x": "c_x_cm_s", "tilt_deg": "tilt_deg", "V_z": AT_TOUCH}
+FRICTION_MEANS = {"c_x": "c_x_cm_s", "V_z": AT_TOUCH}
 
 
 def sweeps(quick: bool = False) -> dict[str, Sweep]:

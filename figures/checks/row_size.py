@@ -54,23 +54,19 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
 
 
 def data(quick: bool = False) -> Data:
-    """Drift [cm/s], tilt [deg] and how rods move, (sizes, tilts) each, with standard errors."""
-    found: dict[str, list[np.ndarray]] = {}
-
-    def add(name: str, mean: np.ndarray, error: np.ndarray) -> None:
-        found.setdefault(name, []).append(mean)
-        found.setdefault(f"{name}_error", []).append(error)
-
-    for sweep in sweeps(quick).values():
-        for name in ("c_x", "tilt_deg"):
-            add(name, *larger_error(*gathered(sweep, name, f"{name}_stderr")))
-        (spread,) = gathered(sweep, "tilt_spread")  # as a length
-        half = (sweep.points[0].scene.rods.length - 1) / 2
-        add("spread_deg", *over_seeds(np.degrees(spread / half)))
+    """Drift [cm/s] and spread of tilts [deg], (sizes, tilts) each, with standard errors."""
+    rows = sweeps(quick).values()
+    half = (LENGTH - 1) / 2  # the spread of tilts is stored as a length
+    drifts = [larger_error(*gathered(row, "c_x", "c_x_stderr")) for row in rows]
+    spreads = [over_seeds(np.degrees(gathered(row, "tilt_spread")[0] / half)) for row in rows]
+    (c_x, c_x_error), (spread, spread_error) = np.moveaxis([drifts, spreads], 2, 1)
     return {
         "count": np.array([*PLANS[quick]]),
         "nominal_deg": np.array(SIZE_TILTS_DEG[quick], float),
-        **{name: np.array(rows) for name, rows in found.items()},
+        "c_x": c_x,
+        "c_x_error": c_x_error,
+        "spread_deg": spread,
+        "spread_deg_error": spread_error,
     }
 
 

@@ -10,7 +10,7 @@ order 5/4 is the most there is. The error of the model, a finite stiffness, adds
 """
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from math import cos
 
@@ -139,7 +139,6 @@ def data(quick: bool = False) -> Data:
         "parts": parts,
         "fixed_error": fixed,
         "fixed_seconds": medians(calls, runs).reshape(shape).mean(-1),
-        "fixed_steps": np.array([call()[1] for call in calls]).reshape(shape).mean(-1),
         "order": np.array([order(parts, row) for row in fixed[0]]),
         "floor": np.hypot(*(near - true).T).max(),
         "tolerance": tolerances,
@@ -149,7 +148,7 @@ def data(quick: bool = False) -> Data:
     }
 
 
-def _draw_errors(ax: Axes, d: Data, x: np.ndarray) -> None:
+def _draw_errors(ax: Axes, d: Data, x: Sequence[np.ndarray]) -> None:
     """Largest (filled) and median errors over `x`, one row a method."""
     for i, (method, (colour, marker)) in enumerate(LOOKS.items()):
         worst, middle = d["fixed_error"][:, i]
@@ -166,7 +165,7 @@ def _draw_errors(ax: Axes, d: Data, x: np.ndarray) -> None:
 @style
 def draw(d: Data) -> plt.Figure:
     figure, (steps, time) = plt.subplots(1, 2, figsize=(7.0, 3.2), sharey=True)
-    _draw_errors(steps, d, np.broadcast_to(1 / d["parts"], d["fixed_steps"].shape))
+    _draw_errors(steps, d, [1 / d["parts"]] * len(LOOKS))
     steps.text(4e-6, 2 * d["floor"], "the reference's own error")
     steps.text(4e-6, 2e-16, "half an ulp")
     steps.set(xlabel=r"step $\Delta t/t_c$", xlim=(1.5e-6, 0.3))

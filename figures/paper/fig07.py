@@ -25,7 +25,6 @@ FLIGHT_MEANS = {
     "tilt_deg": "tilt_deg",
     "flight": "touches.flight_periods.mean",
     "landing_flight": "landings.flight_periods.mean",
-    "touches": "landings.touches.mean",
 }
 
 sweeps = tilt_sweeps

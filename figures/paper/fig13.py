@@ -56,13 +56,6 @@ GAMMAS = (1.02, 1.05, 1.1, 1.15, 1.2, 1.3, 1.4, 1.6, 1.8, 2, 2.5, 3, 3.3, 4, 5)
 ROD_LENGTHS = (1, 1.1, 1.25, 1.5, 1.75, 2, 2.5, 3, 4, 5, 6.5, 8, 9.5, 12)
 
 
-def _measured(sweep: Sweep, prefix: str) -> Data:
-    """Drift [cm/s], tilt [deg] and V_z/V_0 with their errors."""
-    alike = "touches.plate_velocity.mean"
-    names = {"c_x": "c_x_cm_s", "tilt": "tilt_deg", "V_z": AT_TOUCH, "V_z_alike": alike}
-    return means(sweep, {f"{prefix}_{name}": result for name, result in names.items()})
-
-
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
     """Over tilt, over Gamma, over length, over length from rest, over tilt by a second law."""
     gamma = [1.05, 1.2, 1.4, 1.6, 2, 3, 4] if quick else [*GAMMAS]
@@ -119,12 +112,15 @@ def data(
 
 
 def _simulated(quick: bool) -> Data:
-    """What the rows do."""
-    runs, found = sweeps(quick), {}
-    names = {"tilt": "a", "gamma": "b", "length": "c", "jammed": "jammed", "second": "second"}
-    for name, prefix in names.items():
-        found |= _measured(runs[name], prefix)
-    return {**found, "jammed_length": runs["jammed"].values("rods.length")}
+    """Drift [cm/s], tilt [deg] and V_z/V_0 of the rows, with their errors."""
+    runs = sweeps(quick)
+    found = {"jammed_length": runs["jammed"].values("rods.length")}
+    stored = {"c_x": "c_x_cm_s", "tilt": "tilt_deg", "V_z": AT_TOUCH}
+    prefixes = {"tilt": "a", "gamma": "b", "length": "c", "jammed": "jammed", "second": "second"}
+    for name, prefix in prefixes.items():
+        names = {f"{prefix}_{one}": result for one, result in stored.items()}
+        found |= means(runs[name], names)
+    return found
 
 
 POINTS, THIN = {"form": "o"}, {"marker": "s", "ms": 2.5, "lw": 0.8}
