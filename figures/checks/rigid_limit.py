@@ -20,7 +20,11 @@ from ..lib.soft_impacts import CONTACT_COLOURS, LAW_WORDS, from_theory, scene_wo
 from ..lib.style import Data, name_panels, note, style
 
 TANGENTIAL_RATIOS = (3.0, 30.0, 300.0, 3000.0)  # tangential ratios of panel (a)
-SPRING_SERIES = (5e6, 1.0), (1e12, 1.0), (1e12, 0.0)  # k_n, tangential damping of panel (b)
+SPRING_SERIES = (  # k_n, tangential damping of panel (b); k_n in words
+    (5e6, 1.0, r"5\times10^6"),
+    (1e12, 1.0, "10^{12}"),
+    (1e12, 0.0, "10^{12}"),
+)
 FITTED = 100.0  # from this ratio on
 
 
@@ -57,7 +61,7 @@ def data(quick: bool = False) -> Data:
     error, right = _errors(laws)
     half, _ = _errors([row[::3] for row in laws], refine=64)
     (located,), _ = _errors([laws[0][::3]], integrator="dop853")
-    springs = [[_spring(k, ratio, damping) for ratio in ratios] for k, damping in SPRING_SERIES]
+    springs = [[_spring(k, ratio, damping) for ratio in ratios] for k, damping, _ in SPRING_SERIES]
     by_ratio, _ = _errors(springs)
     stiff = ratios >= FITTED
     return {
@@ -87,11 +91,10 @@ def draw(d: Data) -> plt.Figure:
     left.text(1e11, 9e-7, r"$k_n^{-2/5}$", ha="center", color="0.4")
     left.set(xscale="log", yscale="log", ylim=(1e-10, 1))
     left.set(xlabel=r"stiffness $k_n$ ($mg/d^{3/2}$)", ylabel=r"RMS $|\Delta\mathbf{c}'|/|c_z|$")
-    series = zip(SPRING_SERIES, d["error_by_ratio"], d["slope_by_ratio"], strict=True)
-    for ((k, damping), error, (slope, _)), form in zip(series, ("^--", "s-", "D-."), strict=True):
-        power = int(np.log10(k))
-        digits = rf"10^{{{power}}}" if k == 10**power else rf"{k / 10**power:g}\times10^{power}"
-        label = rf"$k_n={digits}$, damping {damping:g}, slope {slope:.2f}"
+    forms = "^--", "s-", "D-."
+    series = zip(SPRING_SERIES, d["error_by_ratio"], d["slope_by_ratio"], forms, strict=True)
+    for (_, damping, k), error, (slope, _), form in series:
+        label = rf"$k_n={k}$, damping {damping:g}, slope {slope:.2f}"
         other.plot(d["ratio"], error, form, color=spring, ms=3, label=label)
     other.plot(d["ratio"], 2.2e-2 * np.sqrt(3 / d["ratio"]), "-", color="0.6", lw=0.8)
     other.text(60, 2.9e-3, r"ratio$^{-1/2}$", ha="right", color="0.4")

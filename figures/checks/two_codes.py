@@ -15,6 +15,7 @@ period. What the other program found stands in two_codes.toml, with its flags an
 """
 
 import tomllib
+from functools import partial
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -32,6 +33,12 @@ MEASURED = {  # in the columns of the table, with the names that a run has for t
     "V_z": "touches.plate_velocity.mean",
     "pushed": "touches.pushed_by_others.mean",
     "touches": "touches.per_rod_and_period.mean",
+}
+TITLES = {
+    "c_x": "drift",
+    "V_z": "plate at touches",
+    "pushed": "pushed by others",
+    "touches": "touches",
 }
 LABELS = {
     "c_x": r"$c_x$ (cm/s)",
@@ -75,12 +82,7 @@ def _beside(ax: Axes, d: Data, name: str) -> None:
 
 @style
 def draw(d: Data) -> plt.Figure:
-    panels = {
-        "drift": lambda ax, d: _beside(ax, d, "c_x"),
-        "plate at touches": lambda ax, d: _beside(ax, d, "V_z"),
-        "pushed by others": lambda ax, d: _beside(ax, d, "pushed"),
-        "touches": lambda ax, d: _beside(ax, d, "touches"),
-    }
+    panels = {title: partial(_beside, name=name) for name, title in TITLES.items()}
     figure = painted(d, panels, rows=2, figsize=(4.2, 3.8))
     for ax in figure.axes[:2]:
         ax.set(xlabel="")

@@ -190,8 +190,8 @@ def panel(ax: Axes, d: Data) -> None:
     lowest = min((prices[:, 0] - prices[:, 1]).min(), -0.05 * longest)
     for side, (key, colour, label) in zip((-0.2, 0.2), _LOOKS, strict=True):
         value, error, _ = d[key].T
-        ax.barh(y + side, value, 0.38, color=colour, label=label)
-        ax.errorbar(value, y + side, xerr=error, fmt="none", ecolor="black", elinewidth=0.7)
+        thin = {"elinewidth": 0.7}
+        ax.barh(y + side, value, 0.38, xerr=error, color=colour, label=label, error_kw=thin)
         for at, one, off in zip(y + side, value, error, strict=True):
             start = max(one, 0) + off + 0.01 * longest
             words = plus_minus(one, off).replace("-", "−")

@@ -20,6 +20,7 @@ from impact.benchmark import random_impacts
 from ..lib.style import RESTITUTION_LAWS
 
 SLIP_REGIMES = (Regime.SLIDE, Regime.SLIP_STICK, Regime.SLIP_REVERSAL)
+DIGITS = 50  # of what errors are measured against
 FIELDS = ("c_x", "c_z", "P_x", "P_z", "omega")
 
 
@@ -94,7 +95,7 @@ class Reference(NamedTuple):
         return np.where(np.isnan(error), np.inf, error).max(0)
 
 
-def reference(impacts: Impacts, law: str = "newton", digits: int = 50) -> Reference:
+def reference(impacts: Impacts, law: str = "newton") -> Reference:
     """Exact results of many impacts.
 
     Errors of velocities and impulses relate to the largest of |c_x|, |c_z - V_z|, |omega X|,
@@ -103,7 +104,7 @@ def reference(impacts: Impacts, law: str = "newton", digits: int = 50) -> Refere
     """
     n = impacts.c_x.size
     regime, high, low = np.empty(n, np.int8), np.empty((5, n)), np.empty((5, n))
-    with mpmath.workdps(digits):
+    with mpmath.workdps(DIGITS):
         for i, row in enumerate(zip(*(column.tolist() for column in impacts), strict=True)):
             regime[i], values = exact([mpmath.mpf(value) for value in row], law)
             high[:, i] = [float(value) for value in values]
@@ -135,8 +136,8 @@ class Literal(NamedTuple):
 
 
 @cache
-def _printed(module: str) -> dict[str, Callable]:
-    """Equations (12)-(14), (16), (18), (19), (21), (22) as functions on floats or mpmath numbers.
+def _printed() -> dict[str, Callable]:
+    """Equations (12)-(14), (16), (18), (19), (21), (22) as functions on floats.
 
     With the repairs that the registry names of (12), (13) and (21); nothing else is touched.
     """
@@ -149,7 +150,7 @@ def _printed(module: str) -> dict[str, Callable]:
     equations = (*slide.EQUATIONS, *slip_stick.EQUATIONS, *slip_reversal.EQUATIONS)
     arguments = (s.c_x, s.c_z, s.omega, s.V_z, s.X, s.Z, s.k, s.mu, s.epsilon)
     return {
-        equation.tag: sp.lambdify(arguments, equation.repaired.subs(approach()), modules=module)
+        equation.tag: sp.lambdify(arguments, equation.repaired.subs(approach()), modules="numpy")
         for equation in equations
         if equation.tag in ("12", "13", "14", "16", "18", "19", "21", "22")
     }
@@ -157,7 +158,7 @@ def _printed(module: str) -> dict[str, Callable]:
 
 def literal(impacts: Impacts) -> Literal:
     """c_x', c_z' from the printed formulas in float64, mirrored to the paper's u_0 > 0."""
-    formula = _printed("numpy")
+    formula = _printed()
     c_x, c_z, omega, V_z, X, *rest = impacts
     side = np.where(c_x - omega * rest[0] < 0, -1.0, 1.0)
     row = (side * c_x, c_z, side * omega, V_z, side * X, *rest)

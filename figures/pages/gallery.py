@@ -88,7 +88,8 @@ def pages() -> dict[Path, str]:
     """
     prices = json.loads((GALLERY / "prices.json").read_text(encoding="utf-8"))
     report = judge.load(GALLERY / "claims.json")
-    given = {"prices": prices, "report": report, "number": _numbers(report)}
+    numbers = {name: _short(row) for name, row in judge.numbers(report).items()}
+    given = {"prices": prices, "report": report, "number": numbers}
     given["ladder"] = ladder = {rung["label"]: rung for rung in prices["ladder"]}
     steps = [label for label, rung in ladder.items() if rung["group"] == "step"]
     given["middle"] = steps[-2]  # of the steps: its row is the plain one
@@ -100,11 +101,6 @@ def pages() -> dict[Path, str]:
         part = templates.get_template(f"readme_{name}.md.jinja").render(given)
         text = _filled(text, name, part.strip())
     return made | {README: text}
-
-
-def _numbers(report: dict[str, Any]) -> dict[str, str]:
-    """Measured numbers for sentences, by claim and key: S16.peak."""
-    return {name: _short(row) for name, row in judge.numbers(report).items()}
 
 
 def _short(row: dict[str, Any]) -> str:

@@ -75,12 +75,10 @@ def data(
         return np.hypot(soft[0].c_x - theory.c_x, soft[0].c_z - theory.c_z)
 
     return {
-        **{
-            "tilt": tilt,
-            "line_tilt": line,
-            "line_edges": edges,
-            "epsilon": np.float64(restitution),
-        },
+        "tilt": tilt,
+        "line_tilt": line,
+        "line_edges": edges,
+        "epsilon": np.float64(restitution),
         "words": np.array(scene_words(friction, length)),
         **{field: np.array([getattr(s, field) for s in soft]) for field in Soft._fields},
         "measured_c_x": np.array([r.c_x for r in at_measured]),
