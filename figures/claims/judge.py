@@ -156,15 +156,13 @@ def load(path: Path) -> dict[str, Any]:
 def _restored(row: dict[str, Any]) -> dict[str, Any]:
     """A number with the nan and inf that JSON lacks."""
     unknown = row.get("verdict", MISSING) == MISSING
-    known = {"value": math.nan if unknown else math.inf, "error": math.nan}
-    known["deviation"] = math.nan
-    known |= {key: row[key] for key in known if row.get(key) is not None}
-    ends = (-math.inf, math.inf)
-    limits: dict[str, Any] = {}
+    value = math.nan if unknown else math.inf
+    known = {"value": value, "error": math.nan, "deviation": math.nan}
+    restored = row | {key: lacking for key, lacking in known.items() if row.get(key) is None}
     if "holds" in row:
-        pairs = zip(row["holds"], ends, strict=True)
-        limits["holds"] = [end if x is None else x for x, end in pairs]
-    return {**row, **limits, **known}
+        low, high = row["holds"]
+        restored["holds"] = [-math.inf if low is None else low, math.inf if high is None else high]
+    return restored
 
 
 def shown(row: dict[str, Any]) -> str:

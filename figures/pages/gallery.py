@@ -20,7 +20,8 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from impact import InputError
 
 from .. import load
-from ..claims import judge, limits
+from ..claims import judge
+from ..claims.limits import ONE_STATE_DEG
 from ..cost.effect_prices import plus_minus
 from ..cost.price_page import CHECKED
 
@@ -58,12 +59,8 @@ templates = Environment(
     keep_trailing_newline=True,
 )
 templates.filters |= {"time": _time, "shown": judge.shown, "limits": judge.limits_shown}
-templates.globals |= {"verdicts": limits.VERDICTS, "fails": limits.FAILS, "pm": plus_minus}
-templates.globals |= {"one_state_deg": limits.ONE_STATE_DEG, "runs_of": _runs_of}
-templates.globals |= {"checked": CHECKED, "counts": judge.counts, "counted": judge.counted}
-templates.globals |= {
-    name: getattr(judge, name) for name in ("statements", "summary", "regions", "numbers")
-}
+templates.globals |= {"judge": judge, "one_state_deg": ONE_STATE_DEG, "checked": CHECKED}
+templates.globals |= {"pm": plus_minus, "runs_of": _runs_of}
 
 
 def claims_page(report: dict[str, Any]) -> str:

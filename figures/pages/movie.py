@@ -20,6 +20,7 @@ from typing import NamedTuple
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import LineCollection
+from matplotlib.patheffects import Normal, Stroke
 from PIL import Image
 from tqdm import tqdm
 
@@ -150,10 +151,11 @@ class Picture:
         (start, _), (end, _) = self.row.transData.transform([(0, 0), (1, 0)])
         points = 72 / DPI * (end - start)  # of a length of 1
         width = {"capstyle": "round", "zorder": 3}
-        self.outline = LineCollection([], colors=DARK, linewidths=points, **width)
-        self.rods = LineCollection([], linewidths=points * (1 - 2 * OUTLINE), **width)
+        outlined = [Stroke(linewidth=points, foreground=DARK), Normal()]
+        inside = points * (1 - 2 * OUTLINE)
+        self.rods = LineCollection([], linewidths=inside, path_effects=outlined, **width)
         self.trail = LineCollection([], colors=RED, linewidths=1.2, zorder=4, alpha=0.8)
-        for artist in (self.outline, self.rods, self.trail):
+        for artist in (self.rods, self.trail):
             self.row.add_collection(artist, autolim=False)
         self.plate = self.trace = None
         if film.scene.plate:
@@ -177,7 +179,6 @@ class Picture:
         """Draw picture number `picture`."""
         film, i = self.film, picture * self.film.every
         axes, number = segments(film, i)
-        self.outline.set_segments(axes)
         self.rods.set_segments(axes)
         self.rods.set_color(np.where(number == self.marked, RED, PALE))
         self.trail.set_segments(self._path(i))
