@@ -17,7 +17,19 @@ from impact import critical_friction, drift, spherocylinder
 from md.sweep import Sweep
 
 from ..lib.runs import BOX, COUNT, GAMMA, LAW_NAME, LENGTH, ROW, means, planned, plate_speed_cm_s
-from ..lib.style import BLACK, CENTRED, ORANGE, RIGID, WARM, Data, curve, name_panels, note, style
+from ..lib.style import (
+    BLACK,
+    CENTRED,
+    ORANGE,
+    RIGID,
+    WARM,
+    Data,
+    curve,
+    name_panels,
+    note,
+    points,
+    style,
+)
 from ..paper.fig02 import AT_TOUCH
 
 OF_LAW = ROW["contacts"]["plate"]["restitution"]
@@ -79,9 +91,8 @@ def draw(d: Data) -> plt.Figure:
     curve(c, d, "friction", "c_x", label="simulated", at=(..., cut), form="o")
     c.plot(d["fine_friction"], d["fine_theory"], color=ORANGE, label=r"theory, $V_0/2$")
     scaled = d["theory"][:, cut] * 2 * d["V_z"][:, cut]
-    c.plot(
-        d["friction"], scaled, "s-", ms=2.5, lw=0.8, color=RIGID, label=r"theory, measured $V_z$"
-    )
+    label = r"theory, measured $V_z$"
+    points(c, d["friction"], scaled, None, RIGID, form="s-", ms=2.5, label=label)
     c.axvline(d["critical"], 0, 0.67, color=BLACK, lw=0.8)
     c.axhline(0, color="0.6", lw=0.6)
     c.set(xscale="log", xlabel=r"friction $\mu$ of the plate", ylabel=r"$c_x$ (cm/s)")

@@ -87,7 +87,7 @@ def data(quick: bool = False) -> Data:
     seconds, error = _in_digits(40 if quick else 400)
     found["seconds"] = np.append(found["seconds"], seconds)
     found["error"] = np.column_stack([found["error"], error])
-    return {"impacts": np.int64(n), **found}
+    return found
 
 
 @style

@@ -66,9 +66,8 @@ def _lines(points: int) -> Data:
 
 def data(quick: bool = False) -> Data:
     """Errors on the map, shape (friction, tilt), and its boundary lines."""
-    if quick:
-        return {**_map((60, 40), 2), **_lines(201)}
-    return {**_map((180, 120), 5), **_lines(1001)}
+    cells, samples, points = ((60, 40), 2, 201) if quick else ((180, 120), 5, 1001)
+    return {**_map(cells, samples), **_lines(points)}
 
 
 @style

@@ -60,13 +60,9 @@ def _from_above(ax: Axes, d: Data, rods: np.ndarray, norm: plt.Normalize) -> Lin
     look = {"cmap": TILT_COLOURS, "norm": norm}
     lines = ax.add_collection(LineCollection(ends, array=tilt, lw=1.6, **look))
     ax.scatter(*ends[:, 1].T, c=tilt, s=7, lw=0, **look)
-    outer = d["radii"][1]
-    edge, ticks = 1.04 * outer, 5 * np.arange(-(outer // 5), outer // 5 + 1)
-    for side in "xy":
-        ax.set(
-            **{f"{side}lim": (-edge, edge), f"{side}ticks": ticks, f"{side}label": f"${side}/d$"}
-        )
-    ax.set_aspect("equal")
+    edge = 1.04 * d["radii"].max()
+    ax.set(xlim=(-edge, edge), ylim=(-edge, edge), xlabel="$x/d$", ylabel="$y/d$", aspect="equal")
+    ax.locator_params(steps=[1, 5, 10])
     return lines
 
 
