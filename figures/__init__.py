@@ -68,7 +68,7 @@ FIGURES = {
 
 
 def check(names: Iterable[str]) -> None:
-    """Refuse names of which one is not in `FIGURES`.
+    """Raise an error if one of the names is not in `FIGURES`.
 
     Parameters
     ----------

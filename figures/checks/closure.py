@@ -174,7 +174,7 @@ def balanced(scene: md.Scene, periods: int) -> dict[str, Any]:
 
 
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
-    """The row over tilt, touch by touch."""
+    """Sweep of the row over tilt that measures touch by touch."""
     tilts = QUICK_TILTS_DEG if quick else CLOSURE_TILTS_DEG
     seeds: dict[str, list] = {"start.seed": [1, 2]} if quick else SEEDS
     axes: list[dict[str, list]] = [{"box.length": boxes(tilts)}, seeds]

@@ -64,12 +64,12 @@ STORED = (
 
 
 def one_row(quick: bool) -> Sweep:
-    """The row at its usual tilt alone."""
+    """Sweep of one run: the row at its usual tilt, friction of the plate as a constraint."""
     return planned([], CENSUS_PERIODS[quick], CONTACTS["constraint"], CENSUS_ROW, counted)
 
 
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
-    """Rows over tilt, law by law, over Gamma and restitution."""
+    """Sweeps of rows over tilt, law by law, over Gamma and over the restitution between rods."""
     periods, usual = CENSUS_PERIODS[quick], CONTACTS["constraint"]
     return {
         name: planned(
@@ -104,7 +104,7 @@ SHARE = {"ylabel": "share of touches", "ylim": (0, 1.03)}
 
 
 def _curve(ax, x, pairs, colour, label=None, form="o-") -> None:
-    """Points with their errors, joined."""
+    """Draw columns (value, error) as points with their errors, joined."""
     points(ax, x, *pairs.T, colour, label=label, form=form)
 
 
@@ -117,7 +117,7 @@ def _draw_regimes(ax, d) -> None:
 
 
 def _draw_company(ax, d) -> None:
-    """Shares of touches with other rods in play."""
+    """Draw the shares of touches with other rods in play, over tilt."""
     curves = {
         "pushed": ("constraint", "shared", ANOTHER),
         f"kicked > {DISTURBED:.0%}": ("constraint", "disturbed", SKY),
@@ -143,7 +143,7 @@ def _draw_residual(ax, d) -> None:
 
 
 def _draw_shares(ax, d, sweep: str) -> None:
-    """Shares of landings and errors over what a sweep changes."""
+    """Draw shares of landings and errors of the map over what a sweep changes."""
     x = d[sweep]
     _curve(ax, x, d[f"{sweep}_shared"], ANOTHER, "pushed")
     _curve(ax, x, d[f"{sweep}_slide"], REGIME_COLOURS[0], "slide")

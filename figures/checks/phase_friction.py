@@ -38,7 +38,7 @@ FRICTION_MEANS = {"c_x": "c_x_cm_s", "V_z": AT_TOUCH}
 
 
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
-    """Over friction and restitution."""
+    """Sweep of the row over friction and restitution of the plate."""
     friction, restitution = [0.01, 0.1, 0.3, 1.0], {0.4, OF_LAW, 0.9}
     if not quick:
         friction = [0.001, 0.004, 0.02, 0.06, 0.12, 0.2, 0.3, 0.6, 2.0]

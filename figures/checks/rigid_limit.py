@@ -42,7 +42,7 @@ BY_STIFFNESS = {
 
 
 def _errors(laws: list[list[md.Law]], **how) -> tuple[np.ndarray, np.ndarray]:
-    """RMS errors, and regimes right of 17."""
+    """RMS distances of laws from the theory, and how many regimes of 17 agree; shape of `laws`."""
     found = np.array([[from_theory(law, **how) for law in row] for row in laws])
     return found[..., 0], found[..., 1].astype(int)
 

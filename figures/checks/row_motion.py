@@ -49,7 +49,7 @@ def lower_ends(rods: np.ndarray, half: float) -> np.ndarray:
 
 
 def seen(states: np.ndarray, half: float) -> tuple[float, ...]:
-    """What `SEEN` names, of some looks at a row.
+    """Measures that `SEEN` names, from some looks at a row.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ def watched(
 
 
 def averaged(scene: Scene, periods: int) -> dict[str, Any]:
-    """Means over a run behind its transient."""
+    """Means of `c_x` [cm/s] and of what `SEEN` names over a run behind its transient."""
     found, _ = watched(scene, periods)
     late = {name: values[transient(periods) :] for name, values in found.items()}
     errors = {f"{name}_stderr": standard_error(late[name]) for name in ("c_x", "tilt_deg")}

@@ -38,7 +38,7 @@ FORMS = "o-", "s-", "^-"  # of the tilts
 
 
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
-    """Rows of each size, over tilt."""
+    """Sweeps of rows over tilt, one for each number of rods."""
     return {
         str(count): planned(
             [
@@ -80,7 +80,7 @@ def over_largest(d: Data) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _over_count(ax: Axes, d: Data, y: np.ndarray, error: np.ndarray) -> None:
-    """A line for each tilt."""
+    """Draw an array (sizes, tilts) over the number of rods, a line for each tilt."""
     tilts = d["nominal_deg"]
     for i, (tilt, colour, form) in enumerate(zip(tilts, shades(len(tilts)), FORMS, strict=False)):
         label = f"{tilt:g}°"

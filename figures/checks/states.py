@@ -79,7 +79,7 @@ WAYS = (RED, "o-", "up"), (BLUE, "s-", "down")  # of the tilt
 
 
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
-    """Rows over tilt, acceleration and start; long ones; up and down."""
+    """Sweeps of rows over tilt, acceleration and start; long runs; tilts driven up and down."""
     tilts, gammas, periods = MAP[quick]
     some, starts, long = LIVES[quick]
     seeds, slow = DRIVEN[quick]
@@ -147,7 +147,7 @@ def still_there(state: np.ndarray) -> np.ndarray:
 
 
 def _followed(sweep: Sweep) -> tuple[Data, np.ndarray]:
-    """What was followed along a sweep, and the states over time."""
+    """Series that were followed along a sweep, and the states over time, (..., parts)."""
     names = (*SEEN, "c_x", "middle", "late_c_x_stderr")
     found = dict(zip(names, gathered(sweep, *names), strict=True))
     return found, states(found)

@@ -57,7 +57,7 @@ def other() -> tuple[np.ndarray, np.ndarray]:
 
 
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
-    """The row of this program at the same tilts."""
+    """Sweep of this program's row over the other program's tilts and over starts."""
     changes = {"rods.diameter_cm": 0.635, "start.speed": 0.3, **both(tangential_damping=0.04)}
     base = put(read_tables("quasi2d"), changes)
     axes = [{"box.length": boxes(other()[0])}, SEEDS]

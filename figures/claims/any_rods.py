@@ -51,14 +51,14 @@ JUDGED = {  # statements that every set of properties has
 
 
 def drawn(quick: bool = False) -> dict[str, np.ndarray]:
-    """Properties of all sets."""
+    """Properties of all sets: arrays by name, a value a set."""
     parts = qmc.Sobol(len(PROPERTIES), seed=1).random(SETS[quick])
     found = {n: p.value(x) for (n, p), x in zip(PROPERTIES.items(), parts.T, strict=True)}
     return found | {"number of rods": np.rint(found["number of rods"])}
 
 
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
-    """A row of every set at every tilt."""
+    """Sweep of rows: every set at every tilt."""
     sets, tilts, points = drawn(quick), TILTS_DEG[quick], []
     base = put(SIMPLE_ROW, RESOLVED)
     for i in range(SETS[quick]):
@@ -81,7 +81,7 @@ def _of_each(whole: Sweep) -> list[Sweep]:
 
 
 def data(quick: bool = False) -> Data:
-    """Of all sets: properties, numbers of the claims, drift [cm/s] over tilt and the theory's."""
+    """Properties of all sets, numbers of the claims, drifts [cm/s] over tilt and the theory's."""
     nominal, whole = np.array(TILTS_DEG[quick]), computed(sweeps(quick)["sets"])
     tables = [over_tilt.table(sweep, nominal, own=True) for sweep in _of_each(whole)]
     values = [[over_tilt.NUMBERS[name](table) for name in JUDGED] for table in tables]
@@ -102,7 +102,7 @@ def kept(d: Data) -> np.ndarray:
 
 
 def judged(d: Data) -> dict[str, np.ndarray]:
-    """Of each statement, whether it holds under each set that keeps the tilt: 1, 0, nan."""
+    """Whether each statement holds, 1 or 0, under each set that keeps the tilt; nan: not known."""
     values = dict(zip(d["number"].tolist(), d["value"][kept(d)].T, strict=True))
     return {
         name: np.array([holds(value, row) for value in values[name]], float)
@@ -143,7 +143,7 @@ def told(d: Data) -> dict[str, Any]:
 
 
 def _quartiles(values: np.ndarray) -> list[float]:
-    """Quartiles of what is known; nothing of nothing."""
+    """Quartiles of the finite values; an empty list where there are none."""
     known = values[np.isfinite(values)]
     return np.percentile(known, [25, 50, 75]).tolist() if known.size else []
 

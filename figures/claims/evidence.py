@@ -46,7 +46,7 @@ class Evidence:
     _figures: dict[str, dict[str, np.ndarray]] = field(default_factory=dict)
 
     def figure(self, name: str) -> dict[str, np.ndarray]:
-        """Data of a figure."""
+        """Data of a figure by its name, read or computed once."""
         if name not in self._figures:
             self._figures[name] = Whole(self._data(name))
         return self._figures[name]
@@ -56,7 +56,7 @@ class Evidence:
 
     @cached_property
     def over_tilt(self) -> dict[str, np.ndarray]:
-        """The paper's row over tilt."""
+        """Table of the paper's row over tilt, from `over_tilt.table`."""
         return Whole(over_tilt.table(runs.tilt_plan(self.quick), runs.tilts(self.quick)))
 
     @cached_property
@@ -68,7 +68,7 @@ class Evidence:
 
 
 class Assumed(Evidence):
-    """The same of the annulus under the simple law, from few starts."""
+    """Data of the annulus under the simple law, from few starts, to measure claims on."""
 
     def _data(self, name: str) -> dict[str, np.ndarray]:
         """Data of one of the `ASSUMED` figures."""

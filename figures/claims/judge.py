@@ -183,7 +183,7 @@ def shown(row: dict[str, Any]) -> str:
 
 
 def limits_shown(limits: list[float] | None) -> str:
-    """An interval in words."""
+    """Limits of a statement in words; nothing if it has none."""
     if limits is None:
         return ""
     low, high = limits

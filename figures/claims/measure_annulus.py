@@ -39,7 +39,7 @@ REGION_DEG = 5.0  # contrast of tilts that makes a region
 
 
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
-    """Runs that no figure shows: under the simple law."""
+    """Sweeps of the claims that no figure shows: annuli and rows under the simple law."""
     return fig04.sweeps(quick, assumed=True)
 
 

@@ -66,7 +66,7 @@ def forward(data: Evidence) -> Numbers:
 
 
 def _cut(data: Evidence) -> dict[str, np.ndarray]:
-    """Drift over friction at the restitution of the other figures."""
+    """Drift [cm/s] of the row over friction, at the restitution of the other figures."""
     d = data.figure("phase_friction")
     at = int(np.abs(d["restitution"] - rows.RESTITUTION).argmin())
     return {"friction": d["friction"], **{name: d[name][:, at] for name in ("c_x", "c_x_error")}}
@@ -222,7 +222,7 @@ SLIPPERY = 2e-3, 4e-3  # frictions of the plate
 
 
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
-    """Runs that no figure shows: over frequency and tilt; long ones on a slippery plate."""
+    """Sweeps that no figure shows: over frequency and tilt; long runs on a slippery plate."""
     frequencies, seeds = ([50, 100], [1, 2]) if quick else ([*FREQUENCIES_HZ], [1, 2, 3])
     axes = [{"plate.frequency_hz": frequencies}, {"box.length": rows.boxes(FREQUENCY_TILTS_DEG)}]
     axes.append({"start.seed": seeds})
@@ -271,7 +271,7 @@ def slow_start(scene: md.Scene, periods: int) -> dict[str, float]:
 
 
 def _slippery(data: Evidence) -> dict[str, np.ndarray]:
-    """Of rows on a slippery plate, over friction, and the largest drift over friction [cm/s]."""
+    """Rows on a slippery plate, over friction; the largest drift over all frictions [cm/s]."""
     names = "stationary", "relaxation", "V_z", "often"
     found = over(sweeps(data.quick)["slippery"], **{name: name for name in names})
     cut = _cut(data)

@@ -60,7 +60,7 @@ class _Watched(dict):
 
 
 def varied(d: Mapping, names: Iterable[str], random: np.random.Generator) -> dict:
-    """The same arrays, those of these names moved within their standard errors."""
+    """Arrays by name, those of `names` moved at random within their standard errors."""
     moved = {n: random.normal(d[n], d[f"{n}_error"]) for n in names}
     return {**d, **moved}
 
@@ -102,13 +102,13 @@ def crossing(x: np.ndarray, y: np.ndarray, level: float) -> float:
 
 
 def among(number: Number, places: np.ndarray) -> Number:
-    """One of some places: half the way to the next ones is a part of its error."""
+    """Number that is one of some places: half the way to the next ones is a part of its error."""
     apart = np.sort(np.abs(places - number.value))[1:3].mean() / 2
     return number._replace(error=float(np.hypot(number.error, apart)))
 
 
 def peak(d: Mapping, x: str, y: str) -> Number:
-    """Place of the largest value."""
+    """Place `d[x]` of the largest value of `d[y]`, with its error."""
     return among(resampled(d, lambda d: d[x][d[y].argmax()]), d[x])
 
 
@@ -130,5 +130,5 @@ def off_line(x: np.ndarray, y: np.ndarray) -> float:
 
 
 def bend(x: np.ndarray, y: np.ndarray) -> float:
-    """The same over the mean of the points."""
+    """Root-mean-square distance from the best straight line, over the mean of the points."""
     return off_line(x, y) / y.mean()

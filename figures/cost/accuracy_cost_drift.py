@@ -80,7 +80,7 @@ def asked() -> dict[str, md.Scene]:
 
 
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
-    """Long runs over the step; runs to a tolerance."""
+    """Sweeps: long runs over the step; runs to a tolerance, scene by scene."""
     sizes = steps()
     made = [LONG_PERIODS[quick] // (1 if dt > PAPER_STEP else 3) for dt in sizes]
     long = [Point(_scene(dt), CUT + n) for dt, n in zip(sizes, made, strict=True)]

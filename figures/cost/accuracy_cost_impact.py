@@ -41,7 +41,7 @@ LOOKS = {"leapfrog": (BLUE, "s"), "verlet": (BLACK, "o"), "gear": (ORANGE, "^")}
 
 @kernel(inline=False)
 def repeated_impact(effects, state, dt, times, watch):
-    """The same impact `times` times over; velocity after the last one, and its steps."""
+    """Velocity after an impact that is integrated `times` times over, and the steps of one."""
     velocity, steps = state.velocity, 0
     for _ in range(times):
         for i in range(WATCHED):
@@ -52,7 +52,7 @@ def repeated_impact(effects, state, dt, times, watch):
 
 
 def impact_call(tilt: float, integrator: str, dt: float) -> Callable:
-    """The impact, as often as asked, without Python around it; touch in the middle of a step."""
+    """Call that integrates an impact as often as asked, compiled; touch in the middle of a step."""
     effects = effects_of(ROD, LAW, IMPACT_FRICTION, None, None)
     position = np.array([0.0, ROD.half_length * cos(tilt) + 0.5, tilt])
     velocity = np.array([1 / APPROACH_RATIO, -1.0, 0.0])
@@ -83,7 +83,7 @@ def fixed_steps(parts: np.ndarray, true: np.ndarray) -> np.ndarray:
 
 
 def order(parts: np.ndarray, error: np.ndarray) -> float:
-    """Slope in log-log where the error is small; nan from fewer than three points."""
+    """Order of an error: slope in log-log where it is small; nan from fewer than three points."""
     some = error < 1e-2
     if np.sum(some) < 3:
         return np.nan
@@ -106,7 +106,7 @@ def adaptive(tolerances: np.ndarray, true: np.ndarray, runs: int) -> Data:
 
 
 def gear_from_leapfrog() -> np.ndarray:
-    """Difference at the paper's step: root mean square and largest over 17 tilts.
+    """Gear's method less leapfrog at the paper's step: rms and largest over 17 tilts, (laws, 2).
 
     Of the laws `coulomb` and `appendix_a`; under `constant_restitution` that step is too long for
     Gear's method.

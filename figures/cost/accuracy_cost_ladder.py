@@ -76,7 +76,7 @@ def rungs(quick: bool) -> dict[tuple[str, str], tuple[float, dict, int]]:
 
 
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
-    """Starts of every row, and of the trusted answer."""
+    """Sweeps over starts: of every row, and of the row of the trusted answer."""
 
     def starts(rows: list[tuple[float, dict, int]], count: int) -> Sweep:
         seeds = list(range(1, count + 1))
@@ -96,7 +96,7 @@ def _closed(speed: float, calls: int) -> tuple[float, ...]:
 
 
 def _bouncing(landings: int, speed: float) -> tuple[float, ...]:
-    """One rigid rod, exact flights and impacts."""
+    """Drift of one rigid rod by exact flights and impacts, its error and scatter, the seconds."""
     from impact.bouncing import bounce  # compiles
 
     rods = 10 if landings < 1000 else 50

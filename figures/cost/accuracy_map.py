@@ -22,7 +22,7 @@ PRINTED_FIELDS = ("c_x", "c_z")  # what the paper has formulas for
 
 
 def _map(cells: tuple[int, int], samples: int) -> Data:
-    """Largest error of both in every cell of a map over tilt and log10 of friction."""
+    """Largest errors [ulp] of both ways in the cells (friction, tilt) of a map, and its edges."""
     rng = np.random.default_rng(0)
     tilt = np.linspace(-np.pi / 2, np.pi / 2, cells[0] + 1)
     decade = np.linspace(-3, 3, cells[1] + 1)

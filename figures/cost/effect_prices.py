@@ -43,12 +43,12 @@ BARE = Variant(NOTHING, frozenset())
 
 
 def rows() -> dict[str, Effect]:
-    """All rows of the figure."""
+    """Effects by name, each a row of the figure."""
     return {name: effect for group in GROUPS.values() for name, effect in group.items()}
 
 
 def _series(engine: Engine, variant: Variant) -> Series | None:
-    """Means to be sampled, as a run does."""
+    """Arrays for the means that a run samples; None if the variant has no series."""
     if "series" not in variant.diagnostics:
         return None
     return engine.series(PRICE_SETTLE[False] + 2 * PLACES)
@@ -99,7 +99,7 @@ def _kernel(engine: Engine, variant: Variant) -> tuple:
 
 
 def sweeps(quick: bool = False) -> dict[int, Sweep]:
-    """Over seeds: of the full scene, 0, then of each scene whose drift is asked for, by its row."""
+    """Sweeps over seeds: of the full scene, 0, and by its row of each whose drift is asked for."""
     wanted = {0: FULL}
     wanted |= {i: effect.changed for i, effect in enumerate(rows().values(), 1) if effect.drifts}
     seeds, step = [*range(1, DRIFT_SEEDS[quick] + 1)], {"step.size": STEP_SIZE}
@@ -130,17 +130,17 @@ def data(quick: bool = False) -> Data:
     times = 1e9 * steady(samples)
 
     def price(*pair: Variant) -> tuple[float, ...]:
-        """Of the first less the second."""
+        """Price of the first variant less the second, in ns, with its error and spread."""
         dear, cheap = (times[..., every.index(one)] for one in pair)
         return estimate(dear - cheap)
 
     def alike(effect: Effect, what: Callable) -> bool:
-        """Whether both within the full scene have the same of something."""
+        """Whether `what` gives the same for both variants within the full scene."""
         first, second = (couples[every.index(one)] for one in effect.within)
         return what(*first) == what(*second)
 
     def after(engine: Engine, variant: Variant) -> bytes:
-        """Rods some way on."""
+        """Bytes of the rods some way on from the first place."""
         engine.restore(*moving[0])
         engine.go(engine.per // PART, _series(engine, variant))
         return engine.rods.tobytes()
@@ -160,7 +160,7 @@ def data(quick: bool = False) -> Data:
 
 
 def plus_minus(value: float, error: float) -> str:
-    """Both in hundredths, the error rounded up."""
+    """A value and its error as text, both in hundredths, the error rounded up."""
     return f"{round(value, 2) + 0.0:.2f} ± {ceil(100 * error) / 100:.2f}"
 
 

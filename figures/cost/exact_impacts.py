@@ -85,7 +85,7 @@ class Reference(NamedTuple):
         return self._worst(got, fields, self.scale)
 
     def ulp(self, got: Any, fields: tuple[str, ...] = FIELDS) -> np.ndarray:
-        """The same in units in the last place of the scale."""
+        """Largest error of the named fields of `got`, in units in the last place of the scale."""
         return self._worst(got, fields, np.spacing(self.scale))
 
     def _worst(self, got, fields, unit):
@@ -129,7 +129,7 @@ def largest_errors(n: int) -> np.ndarray:
 
 
 class Literal(NamedTuple):
-    """What the paper's formulas give: it prints no formula for the rest."""
+    """Velocities by the paper's formulas, which print none for the rest."""
 
     c_x: Any
     c_z: Any

@@ -69,5 +69,5 @@ def numbers(found: Found) -> dict[str, Any]:
 
 
 def _rows(keys: tuple[str, ...], *columns: Iterable) -> list[dict[str, Any]]:
-    """A dictionary a row."""
+    """Rows of a table as dictionaries, from its columns."""
     return [dict(zip(keys, row, strict=True)) for row in zip(*columns, strict=True)]

@@ -39,7 +39,7 @@ REPEATS = {True: 5, False: 15}  # of a sweep
 
 
 def _row(count: int) -> md.Scene:
-    """The row with another number of rods."""
+    """Row of `count` rods at the tilt and density of the other figures."""
     return from_tables(put(SIMPLE_ROW, {"rods.count": count, "box.length": count * SPACING}))
 
 

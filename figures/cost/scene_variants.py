@@ -32,7 +32,7 @@ class Variant(NamedTuple):
 
     @property
     def scene(self) -> Scene:
-        """The scene itself."""
+        """Scene of this variant: the full one with its changes."""
         return from_tables(put(SIMPLE_ROW, deepcopy({"step.size": STEP_SIZE, **self.changes})))
 
     def engine(self) -> Engine:
@@ -50,7 +50,7 @@ class Effect(NamedTuple):
 
     @property
     def changed(self) -> Variant:
-        """The one of `within` that is not the full scene."""
+        """Variant of `within` that is not the full scene."""
         with_it, without = self.within
         return without if with_it == FULL else with_it
 
@@ -148,7 +148,7 @@ GROUPS = {"effect": EFFECTS, "instead": INSTEAD, "off": OFF}
 
 
 def variants(effects: Iterable[Effect]) -> list[Variant]:
-    """Each variant that they name, once; the full scene first."""
+    """Variants that effects name, each once; the full scene first."""
     found = [FULL]
     for effect in effects:
         found += [one for one in chain(effect.alone, effect.within) if one not in found]

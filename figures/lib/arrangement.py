@@ -42,7 +42,7 @@ def contrast(tilt: np.ndarray) -> float:
 
 
 def arrangement(rods: np.ndarray) -> tuple[float, ...]:
-    """What `MEASURED` names, of one state: tilts in degrees, orders and a share."""
+    """Measures that `MEASURED` names, of one state: tilts in degrees, orders and a share."""
     tilt = tilts_deg(in_order(rods))
     share = np.mean(tilt > tilt.mean() + MORE_DEG)
     return float(tilt.mean()), float(tilt.std()), zigzag(rods), contrast(tilt), float(share)

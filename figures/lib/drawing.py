@@ -29,7 +29,7 @@ KINDS = "npz", "png", "pdf"
 
 
 class Drawn(NamedTuple):
-    """What became of one figure."""
+    """Outcome of drawing one figure: its files and numbers, or why there are none."""
 
     name: str
     files: str = ""  # their names, in a line
@@ -40,7 +40,7 @@ class Drawn(NamedTuple):
 
 
 def files_of(*names: str) -> list[str]:
-    """Names of the files of these figures."""
+    """Names of the files of figures: NAME.npz, NAME.png and NAME.pdf of each."""
     return [f"{name}.{kind}" for name in names for kind in KINDS]
 
 
@@ -79,7 +79,7 @@ def produce(
 def _tried(
     name: str, out: Path, quick: bool, kept: Path | None = None, own: Own = NOTHING
 ) -> Drawn:
-    """The same; what a figure fails with is kept, so that the others go on."""
+    """Compute and draw one figure; a failure is returned, not raised, so that others go on."""
     try:
         return produce(name, out, quick, kept, own)
     except Exception as error:
@@ -89,7 +89,7 @@ def _tried(
 
 
 def _in_a_process(name: str, out: Path, quick: bool, store: Path, own: Own) -> Drawn:
-    """The same in a process of its own, where nothing may write onto the terminal."""
+    """Compute and draw one figure in a process of its own; nothing is written onto the terminal."""
     runs.STORE = store
     with redirect_stderr(io.StringIO()) as said:
         drawn = _tried(name, out, quick, own=own)

@@ -93,17 +93,17 @@ class Row:
 
     @cached_property
     def scene(self) -> Scene:
-        """The scene as it is."""
+        """Scene that the tables describe, before an axis varies it."""
         return from_tables(self.tables)
 
     def counts(self, papers: Iterable[int]) -> list[int]:
-        """Numbers of rods that stand in this annulus as those do in the paper's."""
+        """Numbers of rods that stand as close in this annulus as `papers` do in the paper's."""
         here, there = (scene.annulus for scene in (self.scene, ANNULUS_SCENE))
         wider = here.middle / there.middle if here and there else 1.0
         return [round(wider * count) for count in papers]
 
     def rod(self, tilt: float | np.ndarray) -> ContactGeometry:
-        """Round tip, and the gyration radius of the scene's rods; tilt in radians."""
+        """Contact geometry at a tilt [rad]: round tip, gyration radius of the scene's rods."""
         rods = self.scene.rods
         rod = paper_rod if rods.inertia == "thin" else spherocylinder
         return rod(tilt, rods.length)
@@ -132,7 +132,7 @@ def annulus_of(scene: str | None) -> Row:
 
 
 def _own(scene: str, place: str) -> Row:
-    """Rods of one's own in a box or an annulus."""
+    """Row or annulus of one's own: a scene by its file or name, its tilt left to vary."""
     tables = put(read_tables(scene), {"start.tilt_deg": "none"})
     found = from_tables(tables)
     rods, plate, contact = found.rods, found.plate, found.contacts.plate
@@ -153,7 +153,7 @@ STORE = Path("out/rows.db")  # of all runs; what `--store` of the commands sets
 
 
 def boxes(tilt_deg: Iterable[float], count: int = COUNT) -> list[float]:
-    """Lengths of the box that give these tilts [deg] in a row."""
+    """Lengths [d] of the box in which a row of `count` rods has these tilts [deg]."""
     return (count / np.cos(np.radians(np.array([*tilt_deg])))).tolist()
 
 
@@ -180,20 +180,20 @@ def planned(
 
 
 def measured_by(sweep: Sweep, measure: Callable[[Any, int], dict[str, Any]]) -> Sweep:
-    """The same points, for which a function of scene and periods measures what is stored."""
+    """Sweep whose points store what a function of scene and periods measures."""
     how = Measure(measure, sources_of(measure))
     return replace(sweep, points=tuple(replace(point, measure=how) for point in sweep.points))
 
 
 def lacking(points: Iterable[Point]) -> list[Point]:
-    """Those that the store does not hold, none twice."""
+    """Points of runs that the store does not hold, each once."""
     with Store(STORE) as database:
         distinct = {point.key: point for point in points}
         return [point for key, point in distinct.items() if not database.has(key)]
 
 
 def computed(sweep: Sweep, workers: int = -1) -> Sweep:
-    """The same sweep, run as far as the store does not hold it."""
+    """Run a sweep as far as the store does not hold it; returns the sweep."""
     execute(sweep, STORE, workers=workers, progress=True)
     return sweep
 
@@ -238,7 +238,7 @@ def drift_and_tilt(sweep: Sweep, prefix: str = "") -> dict[str, np.ndarray]:
 
 
 def periods_of(quick: bool) -> int:
-    """Length of the runs of one figure of rows."""
+    """Periods of the plate in each run of a figure of rows."""
     return 60 if quick else 300
 
 
@@ -265,7 +265,7 @@ def tilt_sweeps(quick: bool = False) -> dict[str, Sweep]:
 
 
 def paper_rod(tilt: float | np.ndarray, length: float = LENGTH) -> ContactGeometry:
-    """Round tip, and the gyration radius of a thin rod; tilt in radians."""
+    """Contact geometry of the paper's rod at a tilt [rad]: round tip, a thin rod's gyration."""
     return spherocylinder(tilt, length)._replace(k=length / np.sqrt(12))
 
 
@@ -276,7 +276,7 @@ def lone(quick: bool, scene: str | None = None) -> tuple[np.ndarray, list["Bounc
 
 @cache
 def _lone(quick: bool, scene: str | None, _: str) -> tuple[np.ndarray, list["Bouncing"]]:
-    """The same, kept by the digest of the scene: its file may be edited meanwhile."""
+    """Result of `lone`, kept by the digest of the scene: its file may be edited meanwhile."""
     from impact.bouncing import bounce  # compiles
 
     row, tilt_deg = row_of(scene), np.arange(0, 76, 5 if quick else 2.5)
@@ -287,6 +287,6 @@ def _lone(quick: bool, scene: str | None, _: str) -> tuple[np.ndarray, list["Bou
 
 
 def plate_speed_cm_s(gamma: float | np.ndarray = GAMMA) -> float | np.ndarray:
-    """V_0 of the paper's plate."""
+    """Peak velocity V_0 [cm/s] of the paper's plate at a peak acceleration `gamma` [g]."""
     scene = from_tables(ROW)
     return scene.plate_speed * scene.cm_per_s * np.asarray(gamma) / ROW["plate"]["acceleration"]

@@ -30,7 +30,7 @@ CONTACT_COLOURS = {
 
 
 def scene_words(friction: float = IMPACT_FRICTION, length: float = ROD.length) -> str:
-    """The scene, for a picture."""
+    """Friction, velocities and rod of the impacts in words, for a picture."""
     speeds = r"$-c_z/c_x=2$, $|c_z|=1\,(gd)^{1/2}$"
     return rf"$\mu={friction:g}$, {speeds}, $l={length:g}\,d$, thin inertia"
 
@@ -59,7 +59,7 @@ def simulate(
     refine: int = 32,
     **scene: Any,
 ) -> Soft:
-    """Impacts at each tilt, as `one_impact`.
+    """Simulated impacts at each tilt [rad], as `one_impact`, c_z = -speed [sqrt(g d)].
 
     The step is the default one, at most a hundredth of the contact time, over `refine`; with
     "dop853" every switch is located instead. `scene`: rod or friction, if they are others.
@@ -78,7 +78,7 @@ def simulate(
 
 
 def arms(tilt: np.ndarray, rod: md.Rod = ROD) -> ContactGeometry:
-    """Contact geometry of a rod of the simulation."""
+    """Contact geometry of a rod of the simulation at tilts [rad]."""
     half, k = rod.half_length, np.sqrt(rod.gyration_squared)
     return ContactGeometry(half * np.sin(tilt), half * np.cos(tilt) + 0.5, k)
 
@@ -90,7 +90,7 @@ def rigid(
     law: str = "newton",
     friction: float = IMPACT_FRICTION,
 ) -> Collision:
-    """The theory's answer to the same impacts; -v_f/v_0 is its `normal_velocity`."""
+    """Rigid impacts at tilts [rad], velocities over |c_z|; -v_f/v_0 is `normal_velocity`."""
     given = {"geometry": arms(tilt, rod), "friction": friction, "law": law}
     given["restitution"] = np.clip(restitution, 0.0, 1.0)  # a measured one may end above 1
     return collide(1 / APPROACH_RATIO, -1.0, **given)

@@ -80,7 +80,7 @@ def tilt_axis(ax: Axes, low: float = 0, high: float = 90, step: float = 15) -> N
 
 
 def name_panels(axes: Iterable[Axes], titles: Iterable[str]) -> None:
-    """Letters and titles of all panels, from (a) on."""
+    """Give panels their letters, from (a) on, and their titles."""
     for ax, letter, title in zip(axes, ascii_lowercase, titles, strict=False):
         ax.set_title(rf"$\bf{{({letter})}}$ {title}", loc="left")
 
@@ -105,7 +105,7 @@ def painted(
 
 
 def shades(count: int) -> np.ndarray:
-    """Colours of that many values of a parameter, from dark to light as they grow."""
+    """Colours (count, 4) of values of a parameter, from dark to light as they grow."""
     return plt.get_cmap("viridis")(np.linspace(0, 0.8, count))
 
 
@@ -120,7 +120,7 @@ def points(
     hollow: bool = False,
     **look: Any,
 ) -> None:
-    """Points with their errors, joined.
+    """Draw points with their errors, joined.
 
     Parameters
     ----------
@@ -147,7 +147,7 @@ def curve(
     both: bool = False,
     **look: Any,
 ) -> None:
-    """Arrays of a figure as `points`.
+    """Draw one array of a figure over another as `points`, with its errors.
 
     Parameters
     ----------
@@ -165,10 +165,10 @@ def curve(
 
 
 def note(figure: Figure, words: str) -> None:
-    """What holds for all panels, in as many lines below them as it takes."""
+    """Write what holds for all panels below them, in as many lines as it takes."""
     figure.supxlabel(words, wrap=True)
 
 
 def legend_above(figure: Figure, ax: Axes, **look: Any) -> None:
-    """The legend of one panel, above all panels."""
+    """Put the legend of one panel above all panels."""
     figure.legend(*ax.get_legend_handles_labels(), loc="outside upper center", **look)

@@ -34,12 +34,12 @@ class Estimate(NamedTuple):
 
 
 def waited(items: Iterable, desc: str, unit: str = "it") -> tqdm:
-    """The items, with a progress bar on a terminal once they have taken two seconds."""
+    """Items with a progress bar, which shows on a terminal once they have taken two seconds."""
     return tqdm(items, desc=desc, unit=unit, disable=None, leave=False, delay=2)
 
 
 def in_turn(calls: Sequence[Callable[[], float]], rounds: int, seed: int = 0) -> np.ndarray:
-    """Samples (rounds, calls).
+    """Times of calls taken in turn, in a random order each round, shape (rounds, calls).
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ def medians(calls: Sequence[Callable[[int], Any]], runs: int = 7) -> np.ndarray:
 
 
 def repeated(call: Callable[[], Any]) -> Callable[[int], Any]:
-    """A call for `medians`: the result of the last of so many repetitions."""
+    """Call for `medians` that repeats another as often as asked and returns the last result."""
 
     def repeat(times: int) -> Any:
         for _ in range(times):
@@ -83,13 +83,13 @@ def repeated(call: Callable[[], Any]) -> Callable[[int], Any]:
 
 
 def steady(samples: np.ndarray) -> np.ndarray:
-    """Samples at one speed of the machine, that of the quieter rounds."""
+    """Samples (rounds, calls) at one speed of the machine, that of the quieter rounds."""
     quiet = np.quantile(samples, 0.25, axis=0)
     return samples / np.median(samples / quiet, axis=-1, keepdims=True)
 
 
 def estimate(values: np.ndarray) -> Estimate:
-    """Of one value a round."""
+    """Median over rounds of an array with one value a round, with its error and spread."""
     low, middle, high = np.quantile(values, (0.25, 0.5, 0.75))
     error = MEDIAN_ERROR * (high - low) / np.sqrt(len(values))
     return Estimate(float(middle), float(error), float(high - low))
@@ -131,7 +131,7 @@ def seconds_per_period(
 
 
 def machine_line(load: float) -> str:
-    """Processor, versions and load."""
+    """Words for the machine: processor, cores, load at the start, versions."""
     this = machine()
     return (
         f"{this['processor']}, {this['cores']} cores, load {load:.1f} at the start; python"

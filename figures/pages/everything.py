@@ -28,7 +28,7 @@ def left(out: Path) -> list[str]:
 
 
 def missing() -> list[Point]:
-    """Runs of the figures and claims that the store does not hold, none twice."""
+    """Points of figures and claims whose runs the store does not hold, each once."""
     modules = [*map(load, FIGURES), *OF_CLAIMS]
     sweeps = [sweep for m in modules if hasattr(m, "sweeps") for sweep in m.sweeps().values()]
     return lacking(point for sweep in sweeps for point in sweep.points)

@@ -68,11 +68,11 @@ class Folder:
         return None
 
     def picture(self, name: str) -> Item | None:
-        """The picture of that name."""
+        """Picture of that name, the folder's own or the gallery's; None if none can be read."""
         return self.find(name, picture=True)
 
     def address(self, path: Path) -> str:
-        """Address of its own file, or of the copy of one of the gallery."""
+        """Address, from the page, of the folder's own file or of the copy of the gallery's."""
         own = path.parent == self.path
         (self.own if own else self.borrowed).add(path.name)
         return f"{'' if own else 'gallery/'}{quote(os.fsencode(path.name))}"
@@ -93,7 +93,7 @@ class Folder:
 
 
 def _size(picture: Path) -> tuple[tuple[int, int], int] | None:
-    """Pixels, and the width as drawn; None if it cannot be read."""
+    """Size of a picture in pixels, and its width as drawn; None if it cannot be read."""
     try:
         with Image.open(picture, formats=["PNG", "GIF"]) as image:
             size, (dots, _) = image.size, image.info.get("dpi", (96, 96))

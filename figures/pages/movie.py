@@ -101,12 +101,12 @@ def record(scene: md.Scene, periods: int = 20, frames: int = 8, progress: bool =
 
 
 def _in_plane(rods: np.ndarray) -> np.ndarray:
-    """x, z and tilt of rods in a plane."""
+    """Places x, z [d] and tilts [rad] of rods in a plane, (3, rods)."""
     return np.array([rods[:, 0], rods[:, 1], np.arctan2(rods[:, 2], rods[:, 3])])
 
 
 def _rolled_out(scene: md.Scene, rods: np.ndarray) -> np.ndarray:
-    """x along the middle of the annulus, z, and tilt along it."""
+    """Rods of an annulus rolled out: x along its middle, z [d], tilt along it [rad], (3, rods)."""
     azimuth = np.arctan2(rods[:, 1], rods[:, 0])
     lean = np.cos(azimuth) * rods[:, 4] - np.sin(azimuth) * rods[:, 3]
     return np.array([scene.annulus.middle * azimuth, rods[:, 2], np.arctan2(lean, rods[:, 5])])

@@ -60,13 +60,13 @@ AT_TOUCH = "touches.plate_velocity_by_speed.mean"
 
 
 def classify(mean: np.ndarray, error: np.ndarray) -> np.ndarray:
-    """1 forward, -1 reverse, 0 none: drifts [cm/s] with their standard errors."""
+    """Direction of drifts [cm/s] with standard errors: 1 forward, -1 reverse, 0 none."""
     clear = (np.abs(mean) > CLEAR * error) & (np.abs(mean) > FLOOR_CM_S)
     return np.where(clear, np.sign(mean), 0).astype(int)
 
 
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
-    """Over Gamma and tilt; over Gamma and the number of rods."""
+    """Sweeps of rows over Gamma and tilt, of annuli over Gamma and the number of rods."""
     gamma, (of_rows, of_annuli) = {"plate.acceleration": [*MAP_GAMMAS[quick]]}, MAP_PERIODS[quick]
     rows = [gamma, {"box.length": boxes(NOMINAL_DEG[quick])}, {"start.seed": [1, 2, 3]}]
     annuli = [gamma, {"rods.count": [*MAP_COUNTS[quick]]}, {"start.seed": [1, 2]}]
@@ -120,7 +120,7 @@ def data(quick: bool = False) -> Data:
 
 
 def _map(ax: Axes, gamma: np.ndarray, tilt: np.ndarray, kind: np.ndarray) -> None:
-    """Symbols where there is drift forward, none, or reverse."""
+    """Draw symbols where there is drift forward, none, or reverse."""
     gamma = np.broadcast_to(gamma[:, None], kind.shape)
     looks = {"forward": (1, FORWARD, "o"), "none": (0, "white", "o"), "reverse": (-1, REVERSE, "v")}
     for label, (which, face, marker) in looks.items():
@@ -130,7 +130,7 @@ def _map(ax: Axes, gamma: np.ndarray, tilt: np.ndarray, kind: np.ndarray) -> Non
 
 
 def _near_onset(ax: Axes, d: Data, prefix: str, looks: dict[int, tuple[str, str]]) -> None:
-    """Drift below the onset, linear and logarithmic; colours and names of curves by column."""
+    """Draw drifts below the onset, linear and logarithmic; `looks`: colour and name by column."""
     early = d["gamma"] <= ONSET
     for i, (colour, label) in looks.items():
         drifts = (d[f"{prefix}c_x{kind}"][early, i] for kind in ("", "_error"))

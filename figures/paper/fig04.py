@@ -79,7 +79,7 @@ def over_count(
     base: Mapping[str, Any] = ANNULUS,
     changes: Mapping[str, Any] | None = None,
 ) -> Sweep:
-    """Annuli over the number of rods, which sets the tilt, and starts."""
+    """Sweep of annuli over the number of rods, which sets the tilt, and starts."""
     axes = [{"rods.count": [*counts]}, {"start.seed": [*seeds]}]
     return planned(axes, periods, changes, base, measure=followed)
 
@@ -87,7 +87,7 @@ def over_count(
 def sweeps(
     quick: bool = False, assumed: bool = False, scene: str | None = None
 ) -> dict[str, Sweep]:
-    """Over the number of rods, Gamma and the frictions; rows over tilt.
+    """Sweeps of annuli over the number of rods, Gamma and the frictions; of rows over tilt.
 
     Parameters
     ----------

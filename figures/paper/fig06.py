@@ -55,7 +55,7 @@ def data(quick: bool = False, scene: str | None = None) -> Data:
 
 
 def _in_cm(found: Data, scene: Scene) -> Data:
-    """Velocities in cm/s, spins in rad/s."""
+    """Means of velocities converted to cm/s, of spins to rad/s."""
     second = scene.plate.frequency_hz / scene.frequency  # in sqrt(d/g)
     units = {"c_x": scene.cm_per_s, "c_z": scene.cm_per_s, "omega": second}
     return {
@@ -64,7 +64,7 @@ def _in_cm(found: Data, scene: Scene) -> Data:
 
 
 def _pair(ax: Axes, d: Data, name: str, sign: int = 1, label: str = "") -> None:
-    """Before in black, after in orange; touches, and landings where there are any."""
+    """Draw a velocity before (black) and after (orange), of touches and of landings."""
     before = "before", BLACK, sign, f"-{label}" if sign < 0 else label
     for side, colour, turn, symbol in (before, ("after", ORANGE, 1, f"{label}'")):
         for prefix, form, kind in (("", "o-", "touches"), ("landing_", "s-", "landings")):

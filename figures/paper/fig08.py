@@ -35,7 +35,7 @@ def densities(counts: np.ndarray, bins: int = BINS_DRAWN) -> np.ndarray:
 
 
 def falling(counts: np.ndarray) -> np.ndarray:
-    """Part of the landings at pi/2 < theta < 3 pi/2."""
+    """Part of landings over the cycle, (..., bins), at pi/2 < theta < 3 pi/2: the plate falls."""
     quarter = counts.shape[-1] // 4
     return counts[..., quarter : 3 * quarter].sum(axis=-1) / counts.sum(axis=-1)
 

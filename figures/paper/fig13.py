@@ -57,7 +57,7 @@ ROD_LENGTHS = (1, 1.1, 1.25, 1.5, 1.75, 2, 2.5, 3, 4, 5, 6.5, 8, 9.5, 12)
 
 
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
-    """Over tilt, over Gamma, over length, over length from rest, over tilt by a second law."""
+    """Sweeps over tilt, Gamma, length; over length from rest; over tilt by a second law."""
     gamma = [1.05, 1.2, 1.4, 1.6, 2, 3, 4] if quick else [*GAMMAS]
     length = [1.25, 1.5, 2, 3, 9.5] if quick else [*ROD_LENGTHS]
     jammed = [2.5, 3] if quick else [2, 2.5, 3, 4, 5, 6.5]
@@ -195,7 +195,7 @@ def draw(d: Data) -> plt.Figure:
 
 
 def _slope(x: np.ndarray, y: np.ndarray, error: np.ndarray) -> tuple[float, float, float]:
-    """Slope, its standard error, and where the line meets zero; weights of the errors."""
+    """Slope of a line fitted by the errors, its standard error, and where it meets zero."""
     weight = 1 / np.fmax(error, 0.01 * np.abs(y).max())
     (slope, at), cover = np.polyfit(x, y, 1, w=weight, cov="unscaled")
     residual = (weight * (slope * x + at - y)) ** 2

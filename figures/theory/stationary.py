@@ -143,7 +143,7 @@ def _closure(ax: Axes, d: Data) -> None:
 
 
 def _regimes(ax: Axes, d: Data, name: str, frictions: int) -> None:
-    """Slip-stick in black; in colour the smallest frictions where they reverse."""
+    """Draw slip-stick in black; in colour the smallest frictions where they reverse."""
     tilt_deg = np.degrees(d["tilt"])
     ax.plot(tilt_deg, d[name][-1], color=BLACK, label="slip-stick")
     looks = zip(d["frictions"][:frictions], shades(len(d["frictions"])), FORMS, strict=False)
