@@ -26,7 +26,7 @@ _OF_RESULT = "accuracy.", "annulus.", "energy.", "landings.", "touches.", "turne
 
 
 def impact_text(hit: Impact, law: str) -> str:
-    """One impact, in reduced units; `law` in words."""
+    """Text of one impact, in reduced units; `law` is said in words."""
     phases = "  ".join(f"{name} {time:.4g}" for name, time in hit.phases.items() if time)
     steps = "evaluations" if isnan(hit.dt) else f"steps of {hit.dt:.3g}"
     lines = [
@@ -43,7 +43,7 @@ def impact_text(hit: Impact, law: str) -> str:
 
 
 def tally_text(tally: Any) -> str:
-    """What a sweep has computed."""
+    """Text of what a sweep has computed."""
     same = "" if tally.distinct == tally.points else f", {tally.distinct} of them different"
     time = f"{tally.seconds:.3g} s ({tally.run_seconds:.3g} s of runs)"
     return (
@@ -53,7 +53,7 @@ def tally_text(tally: Any) -> str:
 
 
 def search_json(found: Any) -> dict[str, Any]:
-    """Points of a search with their misfits, best first; estimates; what is told of each target."""
+    """A search for JSON: points with misfits, best first; estimates; data and predictions."""
     search, told = found.search, found.estimates
     runs = zip(found.parts.tolist(), found.misfits.tolist(), strict=True)
     points = [{**search.values(parts), "misfit": misfit} for parts, misfit in runs]
@@ -76,7 +76,7 @@ def search_json(found: Any) -> dict[str, Any]:
 
 
 def search_text(found: Any) -> str:
-    """The best points of a search, the estimates, and the results at the targets."""
+    """Text of a search: best points, estimates, and the results at the data."""
     told, data = search_json(found), sum(target.error > 0 for target in found.search.targets)
     lines = [tally_text(found.tally), "", "best points", *_table(told["points"][:8])]
     if estimates := told["estimates"]:
@@ -110,7 +110,7 @@ def _table(rows: Sequence[Mapping]) -> list[str]:
 
 
 def store_text(columns: Iterable[str], rows: Sequence[dict[str, Any]]) -> str:
-    """A line a run: the keys that differ between them, in the scene's own units, and the drift."""
+    """Text of a store, a line a run: keys that differ, in the scene's own units, and the drift."""
     of_scene = (c for c in columns if "." in c and not c.startswith(_OF_RESULT) and c not in TWINS)
     differing = [c for c in of_scene if len({row.get(c) for row in rows}) > 1]
     brief = [*differing, "c_x", "c_x_stderr", "c_x_cm_s", "tilt_deg", "periods", "seconds"]
@@ -144,7 +144,7 @@ _json = click.option("--json", "as_json", is_flag=True, help="One JSON object on
 
 
 def _many_runs(command: Callable) -> Callable:
-    """Options of a command that makes many runs, into a store."""
+    """Add the options of a command that makes many runs, into a store."""
     for option in (
         _json,
         click.option("--retry", is_flag=True, help="Run again what failed before."),
@@ -234,12 +234,12 @@ def impact(as_json: bool, **given: Any) -> None:
 
 
 def _given(options: dict[str, Any], *names: str) -> dict[str, Any]:
-    """Those of the options that were given."""
+    """Options of these names that were given."""
     return {name: options[name] for name in names if options[name] is not None}
 
 
 def _law(given: dict[str, Any]) -> Law:
-    """The contact law with the options that were given; one that it does not take is refused."""
+    """Make the contact law of the options given; options that it does not take are refused."""
     make = LAWS[given["law"]]
     options = _given(given, "stiffness", "tangential_ratio", "restitution")
     for name in options.keys() - inspect.signature(make).parameters.keys():

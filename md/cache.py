@@ -40,7 +40,7 @@ _LEFT_OUT = {"annotation", "ctx", "kind", "returns", "type_comment", "type_param
 
 
 def read(folder: Path) -> dict[str, bytes]:
-    """Sources of a package by the names of its modules, as "kernels.contact"."""
+    """Read the sources of a package, by the names of its modules, as "kernels.contact"."""
     paths = {path.relative_to(folder): path for path in sorted(folder.rglob("*.py"))}
     names = {".".join(p.with_suffix("").parts).removesuffix(".__init__"): p for p in paths}
     return {name: paths[p].read_bytes() for name, p in names.items()}
@@ -89,7 +89,10 @@ def used(*roots: str, annulus: bool = True) -> tuple[str, ...]:
 
 
 def essence(node: object) -> str:
-    """What of a syntax tree decides what it computes, alike in all versions of Python."""
+    """Text of the parts of a syntax tree that decide what it computes.
+
+    It is the same in all versions of Python.
+    """
     match node:
         case ast.Expr(value=ast.Constant(value=str())) | ast.If(test=ast.Name(id="TYPE_CHECKING")):
             return ""
@@ -160,7 +163,7 @@ def key(scene: Any, length: dict[str, Any], measure: Any = None) -> str:
 
 @cache
 def digest_of_kernels() -> str:
-    """Of the bytes of all files with compiled functions and of what these use."""
+    """Digest of the bytes of all files with compiled functions, and of the modules they use."""
     roots = (name for name, source in SOURCES.items() if b"\n@kernel" in source)
     content = hashlib.sha256(SOURCES["cache"])
     for module in used(*sorted(roots)):
@@ -174,7 +177,7 @@ _OPTIONS = {"error_model": "numpy", "_nrt": False, "no_cfunc_wrapper": True, "no
 
 @cache
 def directory() -> Path | None:
-    """Folder of the compiled kernels, of these sources; None if it takes no files."""
+    """Folder for the compiled kernels of these sources; None if no file can be written there."""
     try:
         chosen = numba.config.CACHE_DIR or os.environ.get("XDG_CACHE_HOME")
         home = Path(chosen or Path.home() / ".cache") / "rod-impact"
@@ -197,7 +200,7 @@ def directory() -> Path | None:
 
 @cache
 def _warn_once(message: str) -> None:
-    """Warn once, and not in each worker as well."""
+    """Warn once, in the main process alone."""
     if multiprocessing.current_process().name == "MainProcess":
         warn(message)
 
@@ -235,12 +238,12 @@ def _root(x: float) -> float:
 
 
 def _kept(function: Callable) -> Any:
-    """Numba's dispatcher; what it compiles is kept in our folder, where that can be."""
+    """Dispatcher of Numba that keeps its kernels in our folder, or in no folder if it cannot."""
     return _compiling(_cached(function) or numba.njit(**_OPTIONS)(function))
 
 
 def _compiling(made: Any) -> Any:
-    """Let a dispatcher compile without an interruption, and go on where nothing can be kept."""
+    """Make a dispatcher compile without an interruption, also where nothing can be kept."""
     usual = made.compile
 
     def compiled(signature: Any) -> Any:
@@ -259,7 +262,7 @@ def _compiling(made: Any) -> Any:
 
 
 def _one_at_a_time(made: Any, folder: Path) -> Any:
-    """Let one process keep what it compiles at a time: Numba gives two the same file to write."""
+    """Make processes keep kernels one at a time: Numba would give two the same file to write."""
     save = made._cache.save_overload
 
     def saved(*compiled: Any) -> None:
@@ -272,7 +275,7 @@ def _one_at_a_time(made: Any, folder: Path) -> Any:
 
 
 def _cached(function: Callable) -> Any:
-    """Numba's dispatcher that keeps what it compiles in our folder; None where it would not."""
+    """Dispatcher of Numba that keeps its kernels in our folder; None where it would not."""
     folder, usual = directory(), numba.config.CACHE_DIR
     if folder is None:
         return None

@@ -141,7 +141,7 @@ def to_xarray(found: np.ndarray) -> "Dataset":
 
 
 def _structured(rows: np.ndarray, names: dict[str, int], result: Result) -> np.ndarray:
-    """Rows with named columns, times in periods."""
+    """Structured array of rows: columns by their names, times in periods."""
     found = np.empty(len(rows), [(name, _TYPES.get(name, np.float64)) for name in names])
     for name, column in names.items():
         values = rows[:, column]

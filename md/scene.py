@@ -115,7 +115,7 @@ class Gravity(Part):
 
 @dataclass(frozen=True)
 class Contact(Part):
-    """How a pair of surfaces touches; a coefficient of friction of 0 is no friction at all.
+    """Contact of two surfaces: its law and friction; a coefficient of 0 is no friction at all.
 
     law : made by a function of `md.LAWS`
     friction : Coulomb coefficient mu, >= 0
@@ -253,7 +253,7 @@ class Scene(Part):
 
     @property
     def frequency(self) -> float:
-        """Of the plate, in sqrt(g/d); 1 where nothing vibrates, so that a period is sqrt(d/g)."""
+        """Frequency of the plate, sqrt(g/d); 1 if nothing vibrates: a period is then sqrt(d/g)."""
         if self.plate is None or not self.vibrates:
             return 1.0
         return self.plate.frequency_hz * sqrt(self.rods.diameter_cm / GRAVITY_CM)
@@ -270,7 +270,7 @@ class Scene(Part):
 
     @property
     def impact_speed(self) -> float:
-        """Speed of the impacts to expect, of plate and fall at the start, in sqrt(g d)."""
+        """Speed of the impacts to expect from plate, drop and start, in sqrt(g d)."""
         pull = hypot(self.gravity.x, self.gravity.z) if self.gravity else 0.0
         fall = sqrt(2 * pull * self.start.drop)
         return max(2 * self.plate_speed + fall + self.start.speed, 0.1)
@@ -280,7 +280,7 @@ class Scene(Part):
         return f"<Scene: {'; '.join(parts)}>"
 
     def __str__(self) -> str:
-        """What there is, in cm and Hz."""
+        """Rods, box or annulus, and plate, in cm and Hz."""
         cm = {key: f"{value:.4g}" for key, value in in_cm(as_dict(self)).items()}
         size, where = f"{cm['rods.length_cm']} by {self.rods.diameter_cm:.4g} cm", ""
         if self.box is not None:
@@ -299,7 +299,7 @@ class Scene(Part):
 
     @property
     def contents(self) -> str:
-        """All that it holds, to the last digit: what tells it from other scenes."""
+        """Text of all values to the last digit, which tells the scene from others."""
         return f"Scene({', '.join(f'{name}={part!r}' for name, part in vars(self).items())})"
 
     def digest(self) -> str:
@@ -316,7 +316,7 @@ def as_dict(part: Any) -> Any:
 
 
 def _contact(name: str, table: Mapping) -> Contact:
-    """A contact from its table: law, friction, and the options of the law."""
+    """Make a contact from its table: law, friction, and the options of the law."""
     options = dict(table)
     law, friction = options.pop("law", "constant_restitution"), options.pop("friction", 0.0)
     if not isinstance(law, str) or law not in LAWS:
@@ -339,12 +339,12 @@ def _contact(name: str, table: Mapping) -> Contact:
 
 
 def _part(hint: Any) -> Any:
-    """Part of a scene that a type hint names, or None."""
+    """Class of the part of a scene that a type hint names, or None."""
     return next((kind for kind in (hint, *get_args(hint)) if is_dataclass(kind)), None)
 
 
 def _build(kind: Any, name: str, table: object) -> Any:
-    """A part of a scene from its table."""
+    """Make a part of a scene from its table."""
     if not isinstance(table, Mapping):
         raise InputError(f"{name} must be a table, got {table!r}")
     if kind is Contact:
@@ -365,7 +365,7 @@ def _build(kind: Any, name: str, table: object) -> Any:
 
 
 def keys() -> list[tuple[str, str]]:
-    """Keys of a scene and their defaults, contacts with the options of their laws."""
+    """List the keys of a scene and their defaults, and the options of the contact laws."""
     found = []
     for name, hint in hints(Scene).items():
         for part in fields(_part(hint)) if name != "contacts" else ():

@@ -79,7 +79,7 @@ _AS_GOOD = 10.0  # more misfit than the best point has: it may be chance
 
 
 class Parameter(NamedTuple):
-    """A range of numbers.
+    """A parameter of a search: keys of the scene and the range of their value.
 
     name : in messages and tables
     keys : of the scene, which all take the value
@@ -107,9 +107,9 @@ class Parameter(NamedTuple):
 
 
 class Target(NamedTuple):
-    """What a result was measured to be at one place.
+    """One datum: the measured value of a result at one place of the scene.
 
-    place : changes of the scene
+    place : values of keys of the scene
     result : such as "c_x_cm_s"
     value : nan: it is only predicted
     error : standard error
@@ -148,20 +148,20 @@ class Search:
         return np.array([(target.value, target.error) for target in self.targets])
 
     def values(self, parts: Iterable) -> dict[str, Any]:
-        """Values of the parameters.
+        """Values of the parameters at a place in their ranges.
 
         Parameters
         ----------
-        parts : (parameters,) or (parameters, n), of their ranges
+        parts : (parameters,) or (parameters, n): parts of the ranges, 0 to 1
         """
         return {p.name: p.value(x) for p, x in zip(self.parameters, parts, strict=True)}
 
     def sweep(self, parts: np.ndarray) -> Sweep:
-        """Points times targets times starts; what several targets share is run once.
+        """Sweep over points, targets and starts; a run that several targets share is made once.
 
         Parameters
         ----------
-        parts : (points, parameters), of their ranges
+        parts : (points, parameters): parts of the ranges, 0 to 1
 
         Raises
         ------
@@ -191,12 +191,12 @@ class Estimate(NamedTuple):
 
 
 class Estimates(NamedTuple):
-    """What follows from the misfits of all points near the best one; empty if these are too few.
+    """Estimates from all points near the best one; empty if there are too few of them.
 
-    parameters : by their names
-    correlation : of them
-    results : of each target
-    misfit : the least; without a fit, far beyond the number of data
+    parameters : estimates by the names of the parameters
+    correlation : matrix of the parameters' correlations
+    results : predicted result of each target
+    misfit : least misfit; far beyond the number of data where the scene does not fit them
     """
 
     parameters: dict[str, Estimate]
@@ -207,10 +207,10 @@ class Estimates(NamedTuple):
 
 @dataclass(frozen=True)
 class Found:
-    """What a search has found.
+    """Outcome of a search: points, results of their runs, misfits and estimates.
 
     search : that was made
-    parts : (n, parameters): of the ranges, all rounds
+    parts : (n, parameters): points of all rounds as parts of the ranges
     runs : (n, targets, starts): results; nan where a run failed
     tally : of all rounds
     """
@@ -222,12 +222,12 @@ class Found:
 
     @property
     def results(self) -> np.ndarray:
-        """Means over the starts, (n, targets)."""
+        """Results as means over the starts, (n, targets)."""
         return self.runs.mean(axis=-1)
 
     @cached_property
     def misfits(self) -> np.ndarray:
-        """Of each point; inf where a run failed."""
+        """Misfit of each point, (n,); inf where a run failed."""
         starts = self.runs.shape[-1]
         scatter = self.runs.var(axis=-1, ddof=1) if starts > 1 else np.zeros((1, 1))
         variance = np.nanmean(scatter, axis=0) / starts
@@ -241,7 +241,7 @@ class Found:
 
     @cached_property
     def estimates(self) -> Estimates:
-        """Means near the best point, of draws with weights exp(-misfit/2)."""
+        """Estimates near the best point: means over draws with weights exp(-misfit/2)."""
         search, (low, high) = self.search, _box_around(self.parts, self.misfits)
         near = ((self.parts >= low) & (self.parts <= high)).all(axis=1)
         near &= np.isfinite(self.results).all(axis=1)
@@ -256,7 +256,7 @@ class Found:
             return results, variances
 
         def unlikely(places: np.ndarray) -> np.ndarray:
-            """The misfit, and more where little is known, which would fit anything."""
+            """Misfit with a term that grows where little is known, which would fit anything."""
             results, variances = predicted(places)
             unknown = np.nansum(np.log1p(variances / search.measured[:, 1] ** 2), axis=1)
             return _misfit(search.measured, results, variances) + unknown
@@ -275,7 +275,7 @@ class Found:
 
 
 def search(given: Search, store: str | Path, **how: Any) -> Found:
-    """Search, round by round; what the store holds is not run again.
+    """Make a search round by round; runs that the store holds are not made again.
 
     Parameters
     ----------
@@ -304,7 +304,7 @@ def search(given: Search, store: str | Path, **how: Any) -> Found:
 
 
 def _at_targets(given: Search, sweep: Sweep, store: str | Path) -> np.ndarray:
-    """Results of a round at the targets, (points, targets, starts)."""
+    """Results of a round at the targets, (points, targets, starts); nan where a run failed."""
     found = sweep.gather(store, *(target.result for target in given.targets))
     for target, results in zip(given.targets, found, strict=True):
         if results.shape != sweep.shape or results.dtype != float:
@@ -316,7 +316,7 @@ def _at_targets(given: Search, sweep: Sweep, store: str | Path) -> np.ndarray:
 
 
 class _Surface:
-    """A polynomial of coordinates within -1 and 1, fitted to a result.
+    """Polynomial of coordinates between -1 and 1, fitted to a result.
 
     Its degree is the one with which each point is best told from the others. It may be off at any
     place by as much as it misses these points then: how far a result is from a polynomial does not
@@ -341,7 +341,7 @@ class _Surface:
         self.weights, self.spread = inverse @ results, inverse @ inverse.T
 
     def __call__(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Values and their variances, (n,) each.
+        """Values of the polynomial and their variances, (n,) each.
 
         Parameters
         ----------
@@ -360,7 +360,7 @@ def _terms(places: np.ndarray, degree: int) -> np.ndarray:
 
 
 def _misfit(measured: np.ndarray, results: np.ndarray, variance: Any) -> np.ndarray:
-    """Sum over the targets of the squared distances from the data, in errors.
+    """Misfit: sum over the targets of ((result - datum)/error)^2.
 
     Parameters
     ----------
@@ -374,7 +374,7 @@ def _misfit(measured: np.ndarray, results: np.ndarray, variance: Any) -> np.ndar
 
 
 def _box_around(parts: np.ndarray, misfits: np.ndarray) -> np.ndarray:
-    """Lowest and highest parts of the best quarter of the points, and the gaps around them.
+    """Box around the best quarter of the points, widened by the gaps to the other ones.
 
     Points that are as good as the best one belong to it, however many they are.
     """
@@ -388,7 +388,7 @@ def _box_around(parts: np.ndarray, misfits: np.ndarray) -> np.ndarray:
 
 
 def _draws(misfit: Callable[[np.ndarray], np.ndarray], coordinates: int) -> np.ndarray:
-    """Places within -1 and 1 drawn with weights exp(-misfit/2), (n, coordinates).
+    """Draw places between -1 and 1 with weights exp(-misfit/2), (n, coordinates).
 
     By emcee's stretch move, which needs no smaller moves along a ridge (Goodman and Weare, Commun.
     Appl. Math. Comput. Sci. 5, 65, 2010). Walkers begin at the best of evenly spread places; before
@@ -422,7 +422,7 @@ def _draws(misfit: Callable[[np.ndarray], np.ndarray], coordinates: int) -> np.n
 
 
 def _parameter(name: str, table: Any) -> Parameter:
-    """A parameter from its table."""
+    """Make a parameter from its table."""
     tabled(name, table, ("keys", "from", "to"), ("name", "log"))
     keys, (low, high, log) = listed(table["keys"]) or [], span(name, table)
     if {*map(type, keys)} != {str}:
@@ -433,7 +433,7 @@ def _parameter(name: str, table: Any) -> Parameter:
 
 
 def _measured(path: Path, result: str) -> list[Target]:
-    """Rows of a CSV with measured results; lines that begin with # are comments.
+    """Read the targets of a CSV file; lines that begin with # are comments.
 
     A row without a result is predicted: its value and its error are nan.
     """
@@ -462,7 +462,7 @@ def _measured(path: Path, result: str) -> list[Target]:
 
 
 def expand(tables: Mapping, base: Mapping, folder: Path = Path()) -> Search:
-    """A search from its tables and those of its scene.
+    """Make a search from its tables and those of its scene.
 
     Parameters
     ----------
@@ -513,7 +513,7 @@ def expand(tables: Mapping, base: Mapping, folder: Path = Path()) -> Search:
 
 
 def load_search(path: str | Path) -> Search:
-    """A search from a TOML file; its scene and data are files beside it, or the scene an example.
+    """Read a search from a TOML file; its data and its scene, or an example, are files beside it.
 
     Parameters
     ----------

@@ -40,10 +40,12 @@ _SAVED = 60.0  # seconds from one checkpoint to the next
 
 @contextmanager
 def interruptible() -> Iterator[Callable[[], bool]]:
-    """A function that says whether Ctrl-C was pressed; it is not raised in the middle of a step.
+    """Note Ctrl-C instead of raising it in the middle of a step.
 
-    So is every signal that is Ctrl-C to Python, as SIGTERM is to the command; a handler of
-    somebody's own is left to raise what it does.
+    Yields a function that says whether it was pressed.
+
+    Every signal that is Ctrl-C to Python is noted, as SIGTERM is for the command; a handler that
+    somebody else has set stays.
     """
     pressed, usual = threading.Event(), signal.default_int_handler
     main = threading.current_thread() is threading.main_thread()
@@ -58,12 +60,12 @@ def interruptible() -> Iterator[Callable[[], bool]]:
 
 
 def _names(scene: Scene) -> dict[str, str]:
-    """Digests by which a checkpoint knows its run."""
+    """Digests of sources and scene, by which a checkpoint knows its run."""
     return {"code": code(scene), "scene": scene.digest()}
 
 
 def _read(path: Path, scene: Scene) -> tuple[dict, dict[str, np.ndarray]]:
-    """A checkpoint of this scene: what it tells, and its arrays."""
+    """Read a checkpoint of this scene: its numbers, and its arrays."""
     mine = _names(scene)
     try:
         with path.open("rb") as file, np.load(file) as saved:
@@ -82,7 +84,7 @@ def _read(path: Path, scene: Scene) -> tuple[dict, dict[str, np.ndarray]]:
 
 
 class Run:
-    """A run under way and the files that it writes; one that takes no more does not end it.
+    """A run in progress with its files; a file that can no longer be written does not end it.
 
     The arguments are those of `run`. Where the trajectory ends early, the checkpoint stays behind,
     so that a resumed run fills it.
@@ -150,11 +152,11 @@ class Run:
 
     @property
     def made(self) -> int:
-        """Whole periods."""
+        """Number of whole periods made."""
         return self.engine.step // self.engine.per
 
     def _restore(self, about: dict[str, Any], arrays: dict[str, np.ndarray], periods: int) -> None:
-        """Go on from a checkpoint."""
+        """Restore the state of a checkpoint."""
         if about["step"] > periods * self.engine.per:
             raise InputError(
                 f"checkpoint {self.checkpoint} is {about['step'] // self.engine.per} periods long "
@@ -171,7 +173,7 @@ class Run:
 
     @contextmanager
     def _noting_failure(self, name: str, path: Path, quiet: bool = False) -> Iterator[None]:
-        """Note why a file could not be written."""
+        """Catch an error of the file system and note which file is not written, and why."""
         try:
             yield
         except OSError as error:
@@ -188,7 +190,7 @@ class Run:
                 trajectory.write(engine.rods, time, engine.plate_height)
 
     def save(self, last: bool = False) -> None:
-        """Bring the frames, and then a checkpoint, on the disk."""
+        """Write the frames, and then a checkpoint, to the disk."""
         if self.trajectory is not None:
             with self._noting_failure("trajectory", self.trajectory.path, last):
                 self.trajectory.flush()
@@ -231,11 +233,11 @@ class Run:
                 saved = perf_counter()
 
     def history(self) -> tuple[np.ndarray, np.ndarray]:
-        """Drift and falls of each period made."""
+        """Drift [sqrt(g d)] and number of falls of each period made."""
         return self.tables.drift(self.made), self.tables.fell(self.made)
 
     def _energy(self) -> dict[str, float] | None:
-        """Account of the energy; None if not asked."""
+        """Balance of the energy, m g d; None without a ledger."""
         if self.engine.ledger is None:
             return None
         change = self.engine.energy() - self.energy
@@ -245,7 +247,7 @@ class Run:
         return found | {"residual": work - sum(losses) - change}
 
     def result(self, finished: bool) -> Result:
-        """What was measured in the periods made; the files are brought up to it."""
+        """`Result` of the periods made; checkpoint and trajectory are written up to its end."""
         self.save(last=True)
         if lost := self.lost.values():
             warnings.warn(f"not written: {'; '.join(lost)}", NotWritten, stacklevel=3)

@@ -92,7 +92,7 @@ class Interrupted(KeyboardInterrupt):
 
 
 class Measure(NamedTuple):
-    """What a point stores in place of the results of a run.
+    """A function whose results a point stores in place of those of `md.run`.
 
     function : of scene and periods, found by its name in its module; returns numbers and lists of
         numbers by name
@@ -232,7 +232,7 @@ class Sweep:
             return [database.result(point.key) for point in self.points]
 
     def _array(self, results: list[dict[str, Any] | None], name: str) -> np.ndarray:
-        """One of the results along the axes."""
+        """Array of one result along the axes."""
         values = [named(result, name) for result in results]
         first = next((value for value in values if value is not None), math.nan)
         kind = str if isinstance(first, str) else float
@@ -242,7 +242,7 @@ class Sweep:
 
 
 def _values(name: str, given: object) -> list:
-    """Values of one key along its axis."""
+    """Values of one key along its axis, from a list or a range."""
     if isinstance(given, Mapping):
         tabled(name, given, ("from", "to", "count"), ("log",))
         low, high, log = span(name, given)
@@ -269,7 +269,7 @@ def _axis(number: int, table: object) -> dict[str, list]:
 
 
 def expand(tables: Mapping, base: Mapping | None = None) -> Sweep:
-    """A sweep from its tables and those of its scene.
+    """Make a sweep from its tables and those of its scene.
 
     Parameters
     ----------
@@ -306,7 +306,7 @@ def expand(tables: Mapping, base: Mapping | None = None) -> Sweep:
 
 
 def point_at(base: Mapping, changes: Mapping, place: Mapping, periods: int, **chosen: Any) -> Point:
-    """A point of a sweep or a search; one that cannot run is refused by its place.
+    """Make a point of a sweep or a search; one that cannot run is refused by its place.
 
     Parameters
     ----------
@@ -325,7 +325,7 @@ def point_at(base: Mapping, changes: Mapping, place: Mapping, periods: int, **ch
 
 
 def load_sweep(path: str | Path) -> Sweep:
-    """A sweep from a TOML file; its scene is a file beside it or an example.
+    """Read a sweep from a TOML file; its scene is a file beside it or an example.
 
     Parameters
     ----------
@@ -367,7 +367,7 @@ def _one(point: Point) -> tuple[str, dict | None, str | None, float]:
 
 
 def _survived(points: list[Point], workers: int) -> Generator[tuple, None, None]:
-    """Results as they arrive, a few points handed out at a time; a dead worker's runs begin again.
+    """Yield results as they arrive; the runs of a worker that died begin again.
 
     Of one worker, the runs are made in this process.
     """
@@ -388,7 +388,7 @@ def _survived(points: list[Point], workers: int) -> Generator[tuple, None, None]
 
 @contextmanager
 def _pool(tasks: list, workers: int) -> Iterator[Generator[tuple, None, None]]:
-    """Results as they arrive; an exception stops the runs under way, without joblib's warnings."""
+    """Pool of workers, as a generator of results; an exception ends the runs without a warning."""
     results: Any = None
     try:
         with deferred():  # half a pool would leave semaphores behind
@@ -530,7 +530,7 @@ def _backend(scheduler: str | None) -> Iterator[None]:
 
 
 def _watch(client: Any, ended: threading.Event) -> None:
-    """Interrupt the sweep, which would wait, if its scheduler is gone."""
+    """Interrupt a sweep whose scheduler is gone, as it would wait without end."""
     while not ended.wait(1.0):
         if client.status == "closed":
             interrupt_main()

@@ -27,7 +27,7 @@ _COLUMNS += ":omega:R:3:tilt:R:1"
 
 
 def checked(path: str | Path) -> Path:
-    """The path of a new file, or of one of frames.
+    """Path of a trajectory to be written, refused where the file holds anything else.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def checked(path: str | Path) -> Path:
 
 
 class Trajectory:
-    """File of frames of a run under way.
+    """Open file of frames of a run.
 
     A run that goes on from a checkpoint keeps the frames before it and makes the later ones again.
 
@@ -110,11 +110,11 @@ class Trajectory:
             self.file.write(f"rod {_text(place)} 0 {i} {_text(numbers)}\n")
 
     def flush(self) -> None:
-        """Hand all frames to the system."""
+        """Hand all frames to the operating system."""
         self.file.flush()
 
     def close(self) -> None:
-        """Close the file; a full disk is no error here."""
+        """Close the file; a full disk raises nothing here."""
         with suppress(OSError):
             self.file.close()
 
@@ -124,7 +124,7 @@ def _text(numbers: Iterable[float]) -> str:
 
 
 def _head(scene: Scene, time: float, height: float) -> str:
-    """Number of rods and head of a frame."""
+    """First two lines of a frame: number of rods, and its head."""
     wide, deep, left = scene.box.length if scene.box else 1e3, 1.0, 0.0
     if scene.annulus is not None:
         left = -scene.annulus.outer
@@ -139,12 +139,16 @@ def _head(scene: Scene, time: float, height: float) -> str:
 
 
 def _of_scene(head: str) -> str:
-    """What of number and head of a frame is the same in all frames of a scene."""
+    """First two lines of a frame without what changes from frame to frame of a scene."""
     return re.sub(r" (Time|phase|plate)=\S+", "", head)
 
 
 def _frames_before(begin: float, path: Path) -> tuple[int | None, list[float], str]:
-    """Bytes of the frames before a time; of all frames the times, in periods, and the scene."""
+    """Read the frames of a file.
+
+    Returns the bytes of those before `begin`, the times of all frames in periods, and the scene as
+    `_of_scene` tells it.
+    """
     kept, place = 0, 0
     times, scene, count = [], "", b""
     with path.open("rb") as lines:
@@ -160,7 +164,7 @@ def _frames_before(begin: float, path: Path) -> tuple[int | None, list[float], s
 
 
 def _is_trajectory(path: Path) -> bool:
-    """Whether a file begins with a frame of a `Trajectory`."""
+    """Whether a file begins with a frame that a `Trajectory` has written."""
     with path.open("rb") as file:
         file.readline(100)
         return f" Properties={_COLUMNS} ".encode() in file.readline(1000)

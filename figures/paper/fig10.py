@@ -85,4 +85,5 @@ def draw(d: Data) -> plt.Figure:
     bar = figure.colorbar(mesh, ax=axes, pad=0.02, aspect=12, label="regime")
     words = [word.replace(" ", "\n") for word in REGIME_WORDS.values()]
     bar.set_ticks([*REGIME_WORDS], labels=words)
+    bar.ax.tick_params(which="both", length=0)
     return figure

@@ -34,7 +34,7 @@ from ..lib.style import (
 SHORTEST_FLIGHT = 0.01  # periods
 ALPHA_TILTS_DEG = (9, 20, 40)
 EXPERIMENT = 1.6  # Gamma above which the paper's rods drift forward, Fig. 2(c, d)
-MEASURED_FIELDS = ("alpha", "alpha_impulse", "drift", "flight", "rest", "again")
+MEASURED_FIELDS = ("alpha", "alpha_impulse", "drift", "flight", "rest")
 
 
 def _sweep(prefix: str, runs: list) -> Data:
