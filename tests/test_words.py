@@ -13,7 +13,7 @@ from derivations import landing_phases, lecture, paper, texts
 from derivations.symbols import X, Z, epsilon, mu
 from figures.paper import fig11
 
-from .test_derivations import BY_TAG
+from .test_derivations import BY_TAG, EDITS
 
 x = sp.Symbol("x")
 
@@ -67,21 +67,7 @@ def test_rods_counted_one_by_one_tell_a_wrong_mean():
     assert landing_phases._rods_counted(form * (1 + sp.Float("1e-8", 30))) != [0]
 
 
-@pytest.mark.parametrize(
-    ("name", "old", "new"),
-    [
-        ("lecture.toml", "acts twice on its", "acts once on its"),
-        ("languages.toml", "above which it sticks again", "below which it sticks again"),
-        ("functions.toml", 'rule = "no square"', 'rule = "a square"'),
-        ("templates/rod_impact.h.jinja", "/*", "// "),
-        ("languages.py", "The impact map", "No impact map"),
-        ("slip_stick.py", "P_z(t_f) - P_z(t_1)", "P_z(t_f) + P_z(t_1)"),
-        ("slide.py", '"c\'_x", "c\'_z", after', '"c\'_z", "c\'_x", after'),
-        ("thin_rod.py", "solved for the friction", "solved for the tilt"),
-        ("optimum.py", r'(r"\mu_P")', r'(r"\epsilon_P")'),
-        ("_kernel.py", "XZ >= 0", "XZ <= 0"),
-    ],
-)
+@pytest.mark.parametrize(("name", "old", "new"), EDITS["sealed"])
 def test_whatever_is_typed_is_sealed(name, old, new, tmp_path, monkeypatch):
     source, copy = Path(texts.__file__).parent, tmp_path / "copy"
     shutil.copytree(source, copy)
