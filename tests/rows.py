@@ -42,15 +42,17 @@ ELASTIC = Normal(SOFT, 0.0)  # with a dashpot of zero
 ROUGH = Friction(0.3, LOSSY.spring)
 SMOOTH = ROUGH._replace(coefficient=0.0)
 CONSTRAINT = ("contacts.plate.law=coulomb", "contacts.plate.tangential_ratio=none")
-ROW = (  # rods of the paper's row, few and soft
-    *("rods.count=5", "rods.length=5", "box.length=5.5", "step.size=none", "start.speed=0.1"),
-    "step.coarse=true",
-    *(f"contacts.{part}.stiffness={SOFT}" for part in ("plate", "rods")),
-)
-RING = (  # a few short soft rods in a narrow gap
-    *("rods.count=6", "rods.length=4", "annulus.inner=1", "annulus.outer=2.8", "step.size=none"),
-    *(f"contacts.{part}.stiffness={SOFT}" for part in ("plate", "rods", "wall")),
-)
+# Rods of the paper's row, few and soft
+ROW = f"""
+    rods.count=5 rods.length=5 box.length=5.5
+    start.speed=0.1 step.size=none step.coarse=true
+    contacts.plate.stiffness={SOFT} contacts.rods.stiffness={SOFT}
+""".split()
+# A few short soft rods in a narrow gap
+RING = f"""
+    rods.count=6 rods.length=4 annulus.inner=1 annulus.outer=2.8 step.size=none
+    contacts.plate.stiffness={SOFT} contacts.rods.stiffness={SOFT} contacts.wall.stiffness={SOFT}
+""".split()
 ROLLING = ("rods.rolling=true", "annulus.shaken=false", *CONSTRAINT)
 
 
@@ -70,7 +72,7 @@ def row(*assignments):
 
 
 def ring(*assignments):
-    """The same of the annulus."""
+    """The annulus with some keys set anew."""
     return md.load("annulus", [*RING, *assignments])
 
 

@@ -8,6 +8,7 @@ import pytest
 
 import md
 from md import accuracy
+from md.result import accuracy_lines
 from md.simulation import Run
 
 from .rows import row
@@ -42,6 +43,8 @@ def test_what_an_interrupted_run_does_not_know_is_not_told(monkeypatch):
     monkeypatch.setattr(accuracy, "_together", few)
     result = md.run(DRIVEN, tolerance=0.05)
     assert (result.finished, result.accuracy.state) == (False, "not settled")
+    assert accuracy_lines(result) == ["accuracy     INTERRUPTED: ended too early to tell the error"]
+    assert np.isfinite(result.c_x)
     assert np.isnan(result.c_x_stderr)
     assert "inf" not in str(result)
 

@@ -1,6 +1,7 @@
 """Scenes in cm, cm/s and Hz: the same as in their own units, or refused in words."""
 
 import json
+import tomllib
 from dataclasses import replace
 from math import pi, sqrt
 
@@ -17,16 +18,15 @@ from md.units import TWINS, error_of, in_cm, labelled
 
 from .rows import sets
 
-TABLES = {
-    "rods": {"count": 3, "length": 8.0, "diameter_cm": 0.5},
-    "plate": {"acceleration": 3.0, "frequency_hz": 50},
-    "box": {"length": 4.0},
-    "gravity": {},
-    "contacts": {
-        "plate": {"stiffness": 1e4, "tangential_ratio": 3, "friction": 0.3},
-        "rods": {"stiffness": 1e4, "tangential_ratio": 3, "friction": 0.3},
-    },
-}
+SCENE = """
+rods = { count = 3, length = 8.0, diameter_cm = 0.5 }
+plate = { acceleration = 3.0, frequency_hz = 50 }
+box = { length = 4.0 }
+gravity = {}
+contacts.plate = { stiffness = 1e4, tangential_ratio = 3, friction = 0.3 }
+contacts.rods = { stiffness = 1e4, tangential_ratio = 3, friction = 0.3 }
+"""
+TABLES = tomllib.loads(SCENE)
 RING = {"box": "none", "annulus.inner": 4.0, "annulus.outer": 6.0, "contacts.wall.friction": 0.3}
 # Key: value in it, key that it stands for, value of that; with d = 1/2 cm lengths lose no bit.
 SAME = {
