@@ -20,7 +20,7 @@ from md.kernels.state import Wall
 from md.kernels.vectors import IN_PLANE, IN_SPACE
 
 from .rows import AT_REST, LOSSY, ROLLING, ROUGH, SOFT, in_plane, ring, row, started
-from .track import ROD, effects
+from .track import effects
 
 # The text of a compiled kernel: what it takes and what it looks at
 
@@ -245,19 +245,13 @@ def test_no_friction_is_the_same_as_a_coefficient_of_zero():
 
 # One rod
 
-GRAVITY = (0.0, -1.0)
 LOOP = fresh(single.run)
 VIBRATION = md.Vibration(0.05, 1.0, 0.0)
 
 
-def scene_of(law=None, friction=0.0, gravity=None, vibration=None, rod=ROD, dt=1e-3):
-    """By default nothing but Hertz's force."""
-    return effects(law or md.coulomb(1.0), friction, gravity, vibration, dt, rod)
-
-
-def compiled(watch=None, **scene):
-    """The loop over steps for one scene, without the wrapper that Python calls."""
-    made = scene_of(**scene)
+def compiled(law=None, watch=None, **scene):
+    """The loop over steps for one scene; by default there is nothing but Hertz's force."""
+    made = effects(law or md.coulomb(1.0), dt=1e-3, **scene)
     state = single.started("leapfrog", (0, 9, 0), (0, 0, 0), made.gravity, 1e-3)
     LOOP(made, state, 0, 0, 1e-3, watch)
     return text_of(LOOP, effects=made, state=state, first=0, steps=0, dt=1e-3, watch=watch)
@@ -267,17 +261,21 @@ RUBBING = {"friction": 0.3, "vibration": VIBRATION}
 DAMPED = {"law": md.constant_restitution(1.0)}
 UNDAMPED = {"law": md.constant_restitution(1.0, tangential_damping=0.0)}
 ALONE = {  # the loop with them, without them; arguments, and an instruction that only it needs
-    "dissipation, gravity and record": (
-        {"law": md.coulomb(0.65), "gravity": GRAVITY, "watch": np.zeros(WATCHED)},
+    "dissipation, gravity, flat ends and record": (
+        {
+            "law": md.coulomb(0.65),
+            "gravity": (0.0, -1.0),
+            "rod": md.Rod(8.0, ends="flat"),
+            "watch": np.zeros(WATCHED),
+        },
         {},
-        {"effects.normal.quarter": "fdiv", "effects.gravity": "", "watch": ""},
+        {"effects.normal.quarter": "fdiv", "effects.gravity": "", "effects.flat": "", "watch": ""},
     ),
     "friction and vibration": (
         RUBBING,
         {},
         {"effects.friction": "fdiv", "effects.plate": "[su]rem (?:<.*> )?i64"},
     ),
-    "flat ends": ({"rod": md.Rod(8.0, ends="flat")}, {}, {"effects.flat": ""}),
     "tangential spring": (
         RUBBING | UNDAMPED,
         RUBBING,

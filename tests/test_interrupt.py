@@ -24,6 +24,7 @@ from md import cache, command_line, interrupt
 from md.files import replacing
 from md.host import prepare
 from md.kernels import single
+from md.kernels.codes import WATCHED
 from md.laws import effects_of
 
 from .command_line import ROOT, each_signal, ended, left, python
@@ -135,9 +136,9 @@ def test_a_compilation_ends_before_a_handler_runs(kernel, called, monkeypatch, t
 
 def test_no_kernel_builds_its_result_by_calling_python():
     """As Numba does for a named tuple, and dies if a handler raises there."""
-    scene = effects_of(md.Rod(), md.coulomb(), 0.0, None, None)
+    scene = effects_of(md.Rod(), md.coulomb(), 0.4, None, None)
     state = single.started("leapfrog", (0, 9, 0), (0, 0, 0), None, 1e-4)
-    parts = [single.run(scene, state, 0, 1, 1e-4, None)]
+    parts = [single.run(scene, state, 0, 1, 1e-4, np.zeros(WATCHED))]
     while parts:
         part = parts.pop()
         assert not hasattr(part, "_fields")
@@ -269,10 +270,10 @@ def test_without_the_compiler(command, code, tmp_path):
 
 
 BEGUN = {
-    "md": ["sweep", "drift", "--store", "a.db"],
-    "impact": ["benchmark"],
-    "figures": ["claims", "--quick"],
-    "derivations": ["check"],
+    "md": "sweep drift --store a.db",
+    "impact": "benchmark",
+    "figures": "claims --quick",
+    "derivations": "check",
 }
 
 
@@ -281,7 +282,7 @@ BEGUN = {
 )
 def test_a_signal_during_the_imports_costs_one_line(package, number, tmp_path):
     """From the first module of the package on, whatever is being imported."""
-    command = [sys.executable, "-X", "importtime", "-m", package, *BEGUN[package]]
+    command = [sys.executable, "-X", "importtime", "-m", package, *BEGUN[package].split()]
     for seconds in (0.0, 0.2):
         with subprocess.Popen(
             command,
@@ -303,9 +304,9 @@ def test_a_signal_during_the_imports_costs_one_line(package, number, tmp_path):
 
 
 LONG = {
-    "run": ["md", "run", "quasi2d", "--periods", "1000000", "--checkpoint", "a.npz"],
-    "claims": ["figures", "claims", "--quick"],
-    "draw": ["figures", "draw", "alpha", "tip_shape", "--jobs", "2"],
+    "run": "md run quasi2d --periods 1000000 --checkpoint a.npz",
+    "claims": "figures claims --quick",
+    "draw": "figures draw alpha tip_shape --jobs 2",
 }
 
 
@@ -320,7 +321,7 @@ def test_a_signal_at_any_time_ends_the_command(name, number, tmp_path):
         folder.mkdir()
         home = {"XDG_CACHE_HOME": str(folder / "cache")} if cold else {}
         seconds = random.uniform(0.3, 15)
-        code, _, error = ended(LONG[name], number, folder, seconds=seconds, **home)
+        code, _, error = ended(LONG[name].split(), number, folder, seconds=seconds, **home)
         assert code == 130
         assert error.count("\n") in ((0, 1) if name == "run" else (1,))  # or a result
         assert not [file for file in folder.iterdir() if ".part" in file.name]

@@ -6,6 +6,7 @@ import numpy as np
 
 import md
 from md.kernels import single
+from md.kernels.codes import WATCHED
 from md.laws import contact_time, effects_of
 from md.soft_impact import plate_table, stopped_run
 
@@ -28,16 +29,18 @@ def effects(law, friction=0.0, gravity=None, vibration=None, dt=None, rod=ROD):
     return effects_of(rod, law, friction, gravity, plate_table(vibration, dt))
 
 
-def track(acting, start, dt, steps, *, every=1, method="leapfrog"):
+def track(acting, start, dt, steps, *, every=1, method="leapfrog", watched=False):
     """Every so many steps, where the rod is and how fast it was half a step before.
 
     Under Gear's method both are of the step before. `acting`: effects; `start`: x, z, tilt, c_x,
-    c_z, omega, off the plate or just touching it.
+    c_z, omega, off the plate or just touching it. `watched`: by the kernel of `md.impact`, step by
+    step, so that a contact that is over ends nothing.
     """
     state = single.started(method, start[:3], start[3:], acting.gravity, dt)
     samples = [(*state.position, *state.velocity)]
     for first in range(0, steps, every):
-        now, made, why = single.run(acting, state, first, every, dt, None)
+        watch = np.zeros(WATCHED) if watched else None
+        now, made, why = single.run(acting, state, first, every, dt, watch)
         state = single.State(*now)
         stopped_run(why, state, first + made, dt)
         samples.append((*state.position, *state.velocity))
