@@ -66,10 +66,10 @@ INTO_LYING = {
 }
 
 
-@pytest.mark.parametrize("rod", INTO_LYING.values(), ids=INTO_LYING)
-def test_m8_rods_that_pass_into_one_another_are_stopped(rod):
+@pytest.mark.parametrize("name", INTO_LYING)
+def test_m8_rods_that_pass_into_one_another_are_stopped(name):
     """At once, with the rods, the time and the overlap, and as they were when all was legal."""
-    engine = started(ELASTIC_PLANE, in_plane(LYING, rod))
+    engine = started(ELASTIC_PLANE, in_plane(LYING, INTO_LYING[name]))
     why = r"rods 0 and 1: overlap .* at t = |rod 1: moved .* at t = "
     with pytest.raises(md.RunError, match=why) as caught:
         go(engine, 200)
@@ -170,15 +170,6 @@ def test_m10_no_wall_is_entered_beyond_the_soft_overlap(inner, director, frictio
     assert 0 < deepest < 1.05 * deepest_overlap(LOSSY, 1.05 * speed)
     assert kinetic(flying) < energy
     assert flying.rods[0, VELOCITY] * side > (0 if inner else -0.3 * speed)
-
-
-def test_m10_a_gap_barely_wider_than_a_rod():
-    """Rods stay in it, upright and along it."""
-    narrow = ("annulus.outer=3.0", "annulus.inner=1.99", "rods.count=4", "plate.acceleration=4")
-    result = md.run(ring(*narrow), periods=5)
-    rho = np.hypot(*result.rods[:, :2].T)
-    assert np.abs(rho - 2.495).max() < 0.02
-    assert result.tilt_deg < 10
 
 
 @pytest.mark.parametrize("rough", ["inner", "outer"])

@@ -85,7 +85,11 @@ def test_bad_usage_begins_with_the_command(name, capsys):
     refused(lambda: GROUPS[package]([*command, "--nonsense"]), f"python -m {name}: No such", capsys)
 
 
-ENDS = [(KeyboardInterrupt, 130, "interrupted"), (MemoryError, 1, "not enough memory")]
+ENDS = [
+    (KeyboardInterrupt, 130, "interrupted"),
+    (MemoryError, 1, "not enough memory"),
+    (md.RunError("the contact has not ended", ()), 1, "the contact has not ended"),
+]
 DONE = {  # a command, and the function that does its work
     "derivations check": "derivations.__main__._bar",
     "figures index": "figures.pages.index.files",
@@ -109,8 +113,8 @@ def test_ends_before_the_time(failing, error, code, said, capsys):
     command, call, work = failing
     work.side_effect = error
     assert call() == code
-    _, err = capsys.readouterr()
-    assert err.count("\n") == 1
+    out, err = capsys.readouterr()
+    assert (out, err.count("\n")) == ("", 1)
     assert err.startswith(f"python -m {command}: {said}")
 
 

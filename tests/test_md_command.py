@@ -2,7 +2,6 @@
 
 import json
 from math import radians
-from unittest.mock import Mock
 
 import pytest
 
@@ -64,10 +63,3 @@ def test_a_law_of_ones_own():
     """With terms that the laws have, so that the kernel is theirs."""
     law = md.Law("mine", Normal(5e6, quarter=300.0), None)
     assert md.impact(0.1, 0.0, -1.0, friction=0.3, law=law).c_z > 0
-
-
-def test_a_run_that_ends_early_costs_one_line(capsys, monkeypatch):
-    error = md.RunError("the contact has not ended", (0.0,) * 6)
-    monkeypatch.setattr("md.soft_impact.impact", Mock(side_effect=error))
-    assert main(f"{COMMAND} --restitution=0.65".split()) == 1
-    assert capsys.readouterr() == ("", f"python -m md impact: {error}\n")

@@ -165,18 +165,6 @@ def test_restitution_is_what_was_asked(restitution):
             assert hit.restitution == pytest.approx(restitution, abs=1e-4)
 
 
-@pytest.mark.parametrize("restitution", [0.3, 0.65, 0.9])
-def test_restitution_with_a_fixed_step(restitution):
-    """Four digits at a thousand steps a contact with Verlet, speed by speed the same."""
-    law, found = md.constant_restitution(restitution), []
-    for speed in (1e-3, 0.03, 1.0, 10.0):
-        dt = md.laws.contact_time(law, speed) / 1000
-        hit = md.impact(0.0, 0.0, -speed, friction=0.3, law=law, integrator="verlet", dt=dt)
-        found.append(hit.restitution)
-    assert found == pytest.approx([restitution] * 4, abs=1e-4)
-    assert np.ptp(found) < 1e-4
-
-
 def test_damping_ratio_inverts_restitution():
     for restitution in (1e-6, 0.05, 0.25, np.exp(-2), 0.65, 1 - 1e-9, 1.0):
         assert head_on_restitution(damping_ratio(restitution)) == pytest.approx(

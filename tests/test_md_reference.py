@@ -10,6 +10,7 @@ from math import cos, inf, radians, sin, sqrt
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 
 import md
@@ -119,10 +120,6 @@ def followed(law, case, finer=1):
     return SoftRod(law, 0.4, tilt).follow(velocity, finer * STEPS)
 
 
-def difference(a, b):
-    return max(float(abs(p - q)) for p, q in zip(a, b, strict=True))
-
-
 @each_law
 @each_regime
 def test_twelve_digits(law, case, regime):
@@ -134,10 +131,10 @@ def test_twelve_digits(law, case, regime):
     hit = md.impact(tilt, *velocity, friction=0.4, law=law, integrator="dop853")
     assert (hit.regime, hit.steps <= 3000) == (regime, True)
     wanted, modes = followed(law, case)
-    assert difference(wanted, hit[:3]) <= 1e-12
+    assert_allclose(hit[:3], wanted, rtol=0, atol=1e-12)
     again, same = followed(law, case, finer=2)
     assert modes == same
-    assert difference(wanted, again) <= 3e-13
+    assert_allclose(again, wanted, rtol=0, atol=3e-13)
     assert (0 in modes) == (
         regime == "slip-stick" or (regime != "slide" and law.spring is not None)
     )
@@ -156,7 +153,7 @@ def test_tolerance_is_kept(law, case, regime):
     assert best.regime == regime
     for tolerance in (1e-11, 1e-9, 1e-7, 1e-5):
         found = md.impact(tilt, *velocity, **how, tolerance=tolerance)
-        assert difference(best[:3], found[:3]) <= 100 * tolerance
+        assert_allclose(found[:3], best[:3], rtol=0, atol=100 * tolerance)
         assert found.steps < best.steps
 
 
