@@ -18,9 +18,17 @@ from .test_imports import modules
 # The public modules; of each, what `__all__` holds is public, and nothing else is.
 PUBLIC = [
     "derivations",
-    *("derivations.registry", "figures"),
-    *("impact", "impact.bouncing", "impact.compiled"),
-    *("md", "md.records", "md.search", "md.store", "md.sweep", "md.trajectory"),
+    "derivations.registry",
+    "figures",
+    "impact",
+    "impact.bouncing",
+    "impact.compiled",
+    "md",
+    "md.records",
+    "md.search",
+    "md.store",
+    "md.sweep",
+    "md.trajectory",
 ]
 
 
@@ -160,14 +168,15 @@ def test_a_script_under_strict_mypy_has_numbers_and_arrays(tmp_path):
     assert told.returncode == 0, told.stdout
 
 
-def with_examples():
-    """Modules whose text holds an example."""
-    files = (item for package in PACKAGES for item in modules(ROOT, package).items())
-    found = (name for name, file in files if ">>> " in file.read_text(encoding="utf-8"))
-    return [name.removesuffix(".__init__") for name in found]
+WITH_EXAMPLES = [
+    name.removesuffix(".__init__")
+    for package in PACKAGES
+    for name, file in modules(ROOT, package).items()
+    if ">>> " in file.read_text("utf-8")
+]
 
 
-@pytest.mark.parametrize("name", with_examples())
+@pytest.mark.parametrize("name", WITH_EXAMPLES)
 def test_examples_run(name, tmp_path, monkeypatch):
     """As they stand, in an empty folder."""
     monkeypatch.chdir(tmp_path)

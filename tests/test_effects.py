@@ -124,8 +124,12 @@ WALLS = {"up": IN_SPACE, **REST, **TOUCHING} | {
 ROUGH_WALLS = WALLS | {
     "inner": WALLS["inner"]._replace(friction=ROUGH),
     "between": ContactForces(LOSSY.normal, ROUGH),
-    **{"friction": CONSTRAINT, "gravity": 0.0, "rolling": 15.0, "watched": True},
-    **{"shaken": True, "plate": AT_REST},
+    "friction": CONSTRAINT,
+    "gravity": 0.0,
+    "rolling": 15.0,
+    "watched": True,
+    "shaken": True,
+    "plate": AT_REST,
 }
 # Effects: what is there with them, without them; each as an argument of `march`, with an
 # instruction that only it needs; and rods that none of them touches.
@@ -186,9 +190,14 @@ EFFECTS = {
         ROUGH_WALLS,
         WALLS,
         {
-            **dict.fromkeys(("effects.inner.friction", "effects.friction", "effects.rolling"), ""),
-            **dict.fromkeys(("effects.gravity", "effects.between.friction", "state.springs"), ""),
-            **dict.fromkeys(("effects.shaken", "effects.plate"), ""),
+            "effects.inner.friction": "",
+            "effects.friction": "",
+            "effects.rolling": "",
+            "effects.gravity": "",
+            "effects.between.friction": "",
+            "state.springs": "",
+            "effects.shaken": "",
+            "effects.plate": "",
             "watchers.record": "sitofp",
         },
         [3],
@@ -196,9 +205,10 @@ EFFECTS = {
 }
 
 
-@pytest.mark.parametrize(("there", "gone", "arguments", "untouched"), EFFECTS.values(), ids=EFFECTS)
-def test_absent_effects_cost_nothing(march, there, gone, arguments, untouched):
-    """Not read, their instructions not there; no array; the other rods as they were."""
+@pytest.mark.parametrize("effect", EFFECTS)
+def test_absent_effects_cost_nothing(march, effect):
+    """Absent effects are not read, have no instructions or arrays, and leave other rods alone."""
+    there, gone, arguments, untouched = EFFECTS[effect]
     (engine, text), (without, bare) = marched(march, **there), marched(march, **gone)
     assert_absent(text, bare, arguments)
     for mark in ("fmul", "call "):
@@ -289,6 +299,7 @@ ALONE = {  # the loop with them, without them; arguments, and an instruction tha
 }
 
 
-@pytest.mark.parametrize(("there", "gone", "marks"), ALONE.values(), ids=ALONE)
-def test_absent_effects_have_no_code_for_one_rod(there, gone, marks):
+@pytest.mark.parametrize("effect", ALONE)
+def test_absent_effects_have_no_code_for_one_rod(effect):
+    there, gone, marks = ALONE[effect]
     assert_absent(compiled(**there), compiled(**gone), marks)

@@ -52,17 +52,13 @@ def _certify(speed, phase, gamma):
     return worst, missed
 
 
-def _flights(number, seed):
-    """Random departures, log-uniform in velocity and in gamma - 1."""
-    random = default_rng(seed)
-    gamma = 1 + 10 ** random.uniform(-3, 1.5, number)
-    speed = gamma * 10 ** random.uniform(-4, 1, number)
-    return speed, random.uniform(0, TURN, number), gamma
-
-
 @pytest.mark.parametrize("number", [20_000, pytest.param(1_000_000, marks=pytest.mark.slow)])
 def test_no_landing_is_missed(number):
-    worst, missed = _certify(*_flights(number, number))
+    """Departures are random, log-uniform in velocity and in gamma - 1."""
+    random = default_rng(number)
+    gamma = 1 + 10 ** random.uniform(-3, 1.5, number)
+    speed = gamma * 10 ** random.uniform(-4, 1, number)
+    worst, missed = _certify(speed, random.uniform(0, TURN, number), gamma)
     assert missed == 0
     assert worst < 16 * EPS  # a few roundings of the plain formula's terms
 

@@ -17,7 +17,7 @@ from derivations import files, kernel, trials
 from impact import Regime
 
 EDITS = tomllib.loads(Path(__file__).with_name("edits.toml").read_text("utf-8"))["kernel"]
-CODE = kernel.KERNEL.read_text(encoding="utf-8")
+CODE = kernel.KERNEL.read_text("utf-8")
 TREE = ast.parse(CODE)
 SWAPS = {ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult}
 TURNS = {
@@ -82,8 +82,11 @@ def with_mistake(name, old, new):
 
 
 NUMPY = {
-    **{"select": np.where, "larger": np.maximum, "smaller": np.minimum},
-    **{"copysign": np.copysign, "sqrt": np.sqrt},
+    "select": np.where,
+    "larger": np.maximum,
+    "smaller": np.minimum,
+    "copysign": np.copysign,
+    "sqrt": np.sqrt,
 }
 
 
@@ -206,16 +209,16 @@ def test_claimed_roundings_hold_where_levers_are_long():
 def test_a_changed_constant_changes_the_digest(monkeypatch, tmp_path):
     """Which says whether figures are of the present theory."""
     changed = tmp_path / "kernel.py"
-    changed.write_text(CODE.replace("2.0**27 + 1", "2.0**26 + 1"), encoding="utf-8")
+    changed.write_text(CODE.replace("2.0**27 + 1", "2.0**26 + 1"), "utf-8")
     monkeypatch.setattr(files, "KERNEL", changed)
-    before = files.CLOSED_FORMS.read_text(encoding="utf-8").splitlines()
+    before = files.CLOSED_FORMS.read_text("utf-8").splitlines()
     after = files.source().splitlines()
     assert sum(a != b for a, b in zip(before, after, strict=True)) == 1
 
 
 def test_code_that_stops_is_no_proof(monkeypatch, tmp_path):
     changed = tmp_path / "kernel.py"
-    changed.write_text(CODE.replace("return gained(", "return unknown("), encoding="utf-8")
+    changed.write_text(CODE.replace("return gained(", "return unknown("), "utf-8")
     monkeypatch.setattr(kernel, "KERNEL", changed)
     proof = kernel.CODE[2].prove()
     assert not proof.ok

@@ -3,6 +3,7 @@
 import inspect
 
 import numpy as np
+import pandas as pd
 import pytest
 from numpy.testing import assert_allclose
 from sympy.core.relational import Relational
@@ -83,8 +84,7 @@ def test_a_tag_is_taken_as_it_is_written(tag, given):
 
 
 def test_labels_stay():
-    pandas = pytest.importorskip("pandas")
-    one, other = pandas.Series([0.3, 0.4], list("ab")), pandas.Series([1.0, 2.0], list("bc"))
+    one, other = pd.Series([0.3, 0.4], list("ab")), pd.Series([1.0, 2.0], list("bc"))
     drift = derivations.function("26")(0.65, one, other)
     assert drift.index.tolist() == ["a", "b", "c"]
     assert drift["b"] == derivations.function("26")(0.65, 0.4, 1.0)

@@ -213,10 +213,10 @@ CLOSING = {  # as fast as rods of a largest speed of 1 may, from a gap of 0.05 d
 }
 
 
-@pytest.mark.parametrize("rods", CLOSING.values(), ids=CLOSING)
-def test_what_sleeps_wakes_in_time(rods):
+@pytest.mark.parametrize("name", CLOSING)
+def test_what_sleeps_wakes_in_time(name):
     """To the bits of a run in which nothing sleeps."""
-    usual, often = (started(ELASTIC_PLANE, in_plane(*rods)) for _ in range(2))
+    usual, often = (started(ELASTIC_PLANE, in_plane(*CLOSING[name])) for _ in range(2))
     slept, wide = 0, []
     for _ in range(400):
         often.state.listed.asleep[:] = 0.0

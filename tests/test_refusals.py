@@ -29,7 +29,7 @@ from .command_line import refused
 from .test_help import ALL, GROUPS
 from .test_store import filled
 
-TABLES = tomllib.loads(Path(__file__).with_name("refusals.toml").read_text(encoding="utf-8"))
+TABLES = tomllib.loads(Path(__file__).with_name("refusals.toml").read_text("utf-8"))
 SWEEPS = TABLES.pop("md sweep bad.toml --store b.db")
 CALLS = TABLES.pop("in Python")
 FILES = TABLES.pop("files")
@@ -41,8 +41,6 @@ REFUSALS = {
 
 ROD = impact.thin_rod(0.3)
 bounce = partial(bouncing.bounce, friction=0.3, restitution=0.65, landings=5)
-
-THEIRS = "fig10.npz fig11.png fig12.pdf quasi2d.gif a.gif a.html claims.json prices.png index.html"
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -57,6 +55,7 @@ def folder(tmp_path_factory):
 def fill():
     """Make the files."""
     filled("a.db")
+    Path("theirs").mkdir()
     for name, text in FILES.items():
         Path(name).write_text(text)
     write_csv("more.csv", *table("a.db"))  # and a column of one's own
@@ -69,9 +68,6 @@ def fill():
     with socket.socket(socket.AF_UNIX) as listener:
         listener.bind("socket")
     Path("odd").mkdir()
-    Path("theirs").mkdir()
-    for name in THEIRS.split():
-        Path("theirs", name).write_text('{"my": "data"}')
     for pipe in ("pipe", "odd/report.html", "odd/fig10.pdf"):
         os.mkfifo(pipe)
     _, device = os.openpty()  # as /dev/null, without the harm

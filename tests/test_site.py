@@ -17,7 +17,7 @@ NOTEBOOKS = {page.stem: page for page in (DOCS / "notebooks").glob("*.md")}
 
 def cells(page: Path) -> list[str]:
     """Code of a notebook, cell by cell."""
-    return re.findall(r"```\{code-cell\}\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+    return re.findall(r"```\{code-cell\}\n(.*?)```", page.read_text("utf-8"), re.DOTALL)
 
 
 def test_every_page_is_in_a_table_of_contents():
@@ -31,7 +31,7 @@ def test_every_page_is_in_a_table_of_contents():
 
 
 def test_the_reference_has_every_public_module():
-    text = "".join(page.read_text(encoding="utf-8") for page in (DOCS / "api").iterdir())
+    text = "".join(page.read_text("utf-8") for page in (DOCS / "api").iterdir())
     assert sorted(re.findall(r"automodule:: (\S+)", text)) == sorted(PUBLIC)
 
 

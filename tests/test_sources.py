@@ -48,8 +48,7 @@ def test_each_module_counts_for_the_runs_that_use_it(edited, module):
 
 
 def test_runs_do_not_depend_on_commands_stores_and_sweeps():
-    outside = {"__init__", "__main__", "accuracy", "cache", "files", "store"}
-    outside.add("sweep")
+    outside = {"__init__", "__main__", "accuracy", "cache", "files", "store", "sweep"}
     assert outside <= cache.SOURCES.keys() - set(ROW) - ANNULUS
     assert {"kernels.march", "kernels.touches", "laws", "measures"} <= set(ROW)
     assert {"kernels.walls", "placement"} == ANNULUS

@@ -12,7 +12,7 @@ import pytest
 
 from .command_line import DOCS, PACKAGES, ROOT, names_in, python
 
-VERSION = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"]
+VERSION = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["version"]
 WHERE = f"""
 import os, {", ".join(PACKAGES)}
 from figures.claims import judge as claims
@@ -22,7 +22,7 @@ for package in ({", ".join(PACKAGES)}):
 assert impact.__version__ == md.__version__
 print(md.__version__)
 """
-KEPT = [".py", ".toml", ".json", ".csv", ".mplstyle", ".typed", ".html", ".css", ".js", ".jinja"]
+KEPT = ".py .toml .json .csv .mplstyle .typed .html .css .js .jinja"
 # What comes after `python`, its exit code and what it prints, on stderr if it fails.
 COMMANDS = {
     "import": (f"-c {shlex.quote(WHERE)}", 0, VERSION),
@@ -35,12 +35,12 @@ COMMANDS = {
 
 def test_the_version_stands_in_one_place_and_others_agree():
     """In `pyproject.toml`; citations and the newest heading of the change log repeat it."""
-    site = (DOCS / "installation.md").read_text(encoding="utf-8")
+    site = (DOCS / "installation.md").read_text("utf-8")
     assert f"version = {{{VERSION}}}" in site
-    citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    citation = (ROOT / "CITATION.cff").read_text("utf-8")
     assert re.findall(r"^version: (.+)$", citation, re.M) == [VERSION]
     (released,) = re.findall(r"^date-released: (\d{4}-\d\d-\d\d)$", citation, re.M)
-    changes = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    changes = (ROOT / "CHANGELOG.md").read_text("utf-8")
     newest, date = re.search(r"^## ([\d.]+), (.+)$", changes, re.M).groups()
     assert newest == VERSION
     assert date in ("unreleased", released)
@@ -66,7 +66,7 @@ def test_the_wheel_holds_all_sources_and_data_and_nothing_else(wheel):
         path.relative_to(ROOT).as_posix()
         for package in PACKAGES
         for path in (ROOT / package).rglob("*")
-        if path.suffix in KEPT
+        if path.suffix in KEPT.split()
         and not {"gallery", "docs"} & {*path.relative_to(ROOT / package).parts}  # of a checkout
     }
     with zipfile.ZipFile(wheel) as archive:
