@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+import tomllib
 from pathlib import Path
 
 import psutil
@@ -14,6 +15,11 @@ ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "figures/pages/docs"
 PACKAGES = "derivations", "figures", "impact", "md"
 each_signal = pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+
+
+def read_toml(path):
+    """Tables of a TOML file of the checkout."""
+    return tomllib.loads((ROOT / path).read_text("utf-8"))
 
 
 def called(*words, **options):

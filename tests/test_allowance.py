@@ -3,10 +3,8 @@
 A scene takes minutes of two cores, all of them hours: `python -m pytest -m hours`.
 """
 
-import tomllib
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 from typing import NamedTuple
 from unittest.mock import patch
 
@@ -19,13 +17,12 @@ from md import accuracy
 from md.accuracy import ALLOWANCE, STEPS_PER_CONTACT, steps_per_contact
 from md.scene import from_tables, put, read_tables
 
+from .command_line import read_toml
 from .rows import CONSTRAINT, seeded
 
 FINER = 3  # times the steps of the rule
 ACCURATE = 0.0075  # tolerance of the reference, and of the run at the rule's step
-
-
-RANGES = tomllib.loads(Path(__file__).with_name("allowance.toml").read_text())
+RANGES = read_toml("tests/allowance.toml")
 
 
 def drawn(count, seed, annulus):

@@ -1,8 +1,5 @@
 """Quoted errors against the scatter between starts: twelve scenes, ten to fifty starts each."""
 
-import tomllib
-from pathlib import Path
-
 import numpy as np
 import pytest
 from joblib import Parallel, delayed
@@ -10,10 +7,11 @@ from joblib import Parallel, delayed
 import md
 from md.measures import standard_error, transient
 
+from .command_line import read_toml
 from .rows import ring
 
 STARTS, LENGTHS = 50, (60, 128, 400, 1000)
-SCENES = tomllib.loads(Path(__file__).with_name("coverage.toml").read_text())
+SCENES = read_toml("tests/coverage.toml")
 
 
 def _series(name, seed, periods):

@@ -1,10 +1,8 @@
 """The registry: every verdict is proved, and a wrong one is caught."""
 
 import json
-import tomllib
 from contextlib import contextmanager
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 import sympy as sp
@@ -30,9 +28,10 @@ from derivations import (
 from derivations import symbols as s
 from derivations.proof import Equation
 
+from .command_line import read_toml
 from .mutants import derived_again
 
-EDITS = tomllib.loads(Path(__file__).with_name("edits.toml").read_text("utf-8"))["derivations"]
+EDITS = read_toml("tests/edits.toml")["derivations"]
 BY_TAG = {entry.tag: entry for entry in registry.ENTRIES}
 NUMBERED = [str(n) for n in range(1, 32)] + [f"B{n}" for n in range(1, 13)]
 EQUATIONS = [entry for entry in registry.ENTRIES if isinstance(entry, Equation)]
@@ -311,7 +310,6 @@ def test_generating_again_leaves_the_file_alone(tmp_path):
     before = target.stat().st_mtime_ns
     assert not files.write("a = 1\n", target)
     assert target.stat().st_mtime_ns == before
-    assert list(tmp_path.iterdir()) == [target]
 
 
 @pytest.mark.parametrize("square", ["X**2", "sqrt(X * X * X * X)"])

@@ -2,11 +2,9 @@
 
 import ast
 import random
-import tomllib
 from copy import deepcopy
 from functools import cache
 from itertools import product
-from pathlib import Path
 
 import mpmath
 import numpy as np
@@ -16,7 +14,9 @@ from numpy.random import default_rng
 from derivations import files, kernel, trials
 from impact import Regime
 
-EDITS = tomllib.loads(Path(__file__).with_name("edits.toml").read_text("utf-8"))["kernel"]
+from .command_line import read_toml
+
+EDITS = read_toml("tests/edits.toml")["kernel"]
 CODE = kernel.KERNEL.read_text("utf-8")
 TREE = ast.parse(CODE)
 SWAPS = {ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult}

@@ -26,9 +26,8 @@ def velocities(case, law, integrator, steps=100, offset=0.5, friction=0.4):
     """(c_x, c_z, omega) after an impact with so many steps a contact."""
     tilt, velocity = case
     dt = None if integrator == "dop853" else CONTACT / steps
-    how = {"law": law, "integrator": integrator, "dt": dt, "offset": offset}
-    hit = md.impact(tilt, *velocity, friction=friction, **how)
-    return np.array(hit[:3])
+    how = {"integrator": integrator, "dt": dt, "offset": offset}
+    return np.array(md.impact(tilt, *velocity, friction=friction, law=law, **how)[:3])
 
 
 def order(errors, steps):

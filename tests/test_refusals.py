@@ -5,7 +5,6 @@
 import json
 import os
 import socket
-import tomllib
 from contextlib import chdir
 from functools import partial
 from math import inf, nan
@@ -25,11 +24,11 @@ from md.placement import largest_tilt, placed
 from md.store import Store, table, write_csv
 from md.sweep import execute, expand
 
-from .command_line import refused
+from .command_line import read_toml, refused
 from .test_help import ALL, GROUPS
 from .test_store import filled
 
-TABLES = tomllib.loads(Path(__file__).with_name("refusals.toml").read_text("utf-8"))
+TABLES = read_toml("tests/refusals.toml")
 SWEEPS = TABLES.pop("md sweep bad.toml --store b.db")
 CALLS = TABLES.pop("in Python")
 FILES = TABLES.pop("files")

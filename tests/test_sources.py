@@ -1,15 +1,12 @@
 """The digest that decides whether a stored run is stale: formulas and constants, not words."""
 
-import tomllib
-from pathlib import Path
-
 import pytest
 
 from md import cache
 
-from .command_line import python
+from .command_line import python, read_toml
 
-EDITS = tomllib.loads(Path(__file__).with_name("edits.toml").read_text("utf-8"))["sources"]
+EDITS = read_toml("tests/edits.toml")["sources"]
 ROW = cache.used(cache.RUN, annulus=False)
 ANNULUS = set(cache.used(cache.RUN)) - set(ROW)
 

@@ -4,15 +4,14 @@ import os
 import re
 import shlex
 import shutil
-import tomllib
 import zipfile
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from .command_line import DOCS, PACKAGES, ROOT, names_in, python
+from .command_line import DOCS, PACKAGES, ROOT, names_in, python, read_toml
 
-VERSION = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["version"]
+VERSION = read_toml("pyproject.toml")["project"]["version"]
 WHERE = f"""
 import os, {", ".join(PACKAGES)}
 from figures.claims import judge as claims
