@@ -159,7 +159,7 @@ def idle(tree):
 
 
 def drawn(place):
-    """Where a place stands among all."""
+    """Hash by which places are put in order and drawn."""
     return hashlib.sha256(f"{SEED} {place.key}".encode()).digest()
 
 

@@ -188,7 +188,7 @@ def kinetic(engine):
 
 
 def distance(rods, i, j, half=HALF):
-    """Of the axes of two rods in space, as the kernels find it."""
+    """Distance of the axes of two rods in space, as the kernels find it."""
     places, directors = rods[:, PLACE:DIRECTOR], rods[:, DIRECTOR:VELOCITY]
     vectors = places[i] - places[j], directors[i], directors[j]
     return sqrt(nearest(*map(tuple, vectors), half))

@@ -31,11 +31,11 @@ class Impacts(NamedTuple):
     plate_velocity: np.ndarray
 
     def given(self):
-        """As compiled kernels take them."""
+        """Arguments as compiled kernels take them."""
         return compiled.Impacts(**self._asdict())
 
     def arguments(self):
-        """As `impact` takes them."""
+        """Arguments as the functions of `impact` take them."""
         given = self._asdict()
         return given | {"geometry": impact.ContactGeometry(*map(given.pop, ("X", "Z", "k")))}
 
@@ -117,7 +117,7 @@ def compare(impacts, law="newton", collide=impact.collide, digits=53):
 
 
 def assert_mirror_symmetric(impacts, law="newton", collide=impact.collide):
-    """Bit for bit."""
+    """Check that mirror images have mirrored outcomes, bit for bit."""
     hit, mirrored = (i.collide(law, collide) for i in (impacts, impacts.mirrored()))
     odd = {"c_x", "omega", "P_x", "slip_velocity"}
     for name, here, there in zip(hit._fields, hit, mirrored, strict=True):

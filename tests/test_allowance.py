@@ -113,7 +113,7 @@ def test_the_bias_of_the_step_is_within_its_allowance(annulus):
 
 @pytest.mark.hours
 def test_runs_are_off_by_as_much_as_they_say():
-    """To 3 %, three runs of each scene: within the stated error in 17 of 20 or more.
+    """Three runs of each scene to 3 % are within the stated error in 17 of 20 or more.
 
     Stated errors are neither padded nor boastful: the root mean square of true over stated ones,
     which 95 % make 0.51, is 0.3 to 0.7.

@@ -31,7 +31,7 @@ def test_the_largest_tilt_of_one_rod():
 
 @pytest.mark.parametrize("count", [1, 2, 23, 40, 44, 58])
 def test_placed_rods_touch_neither_each_other_nor_a_wall(count):
-    """By `GAP` at least; they stand on the plate, lean one way along it, by what a rod can."""
+    """They are `GAP` apart at least, stand on the plate and lean one way, by what a rod can."""
     rods, half = placed(EXPERIMENT, count, 8.0), 3.5
     assert overlap(EXPERIMENT, rods, half) <= -GAP
     x, a = rods[:, PLACE:DIRECTOR], rods[:, DIRECTOR:]
@@ -48,7 +48,7 @@ def test_placed_rods_touch_neither_each_other_nor_a_wall(count):
 
 
 def test_an_odd_ring_starts_tilted_as_an_even_one():
-    """It is no zig-zag all around: one rod stands between the walls, with more room beside it."""
+    """An odd ring is no zig-zag all around: one rod stands between the walls, with more room."""
     tilts = [np.arccos(placed(EXPERIMENT, count, 8.0)[:, 5]).mean() for count in (51, 52)]
     assert tilts[0] > tilts[1] > 0.2
 
@@ -62,7 +62,7 @@ def axial(rods):
 
 
 def test_m10_rods_bounce_and_keep_to_a_gap_barely_wider_than_they_are():
-    """They stay upright; none turns about its axis but those that may roll and rub on walls."""
+    """Rods stay upright; none turns about its axis but those that may roll and rub on walls."""
     narrow = "annulus.outer=3.0", "annulus.inner=1.99", "rods.count=4", "plate.acceleration=4"
     result = md.run(ring(*narrow), periods=5)
     rods = result.rods
@@ -77,7 +77,7 @@ def test_m10_rods_bounce_and_keep_to_a_gap_barely_wider_than_they_are():
 
 
 def test_a_cap_that_friction_holds_does_not_slip_as_its_rod_rolls():
-    """On a plate at rest, while the rod turns about the vertical and rolls: second order."""
+    """A cap stays on a plate at rest as its rod turns about the vertical and rolls: order two."""
     still = "start.speed=0", "step.size=2e-4", "contacts.plate.friction=50"
     engine = prepare(ring(*ROLLING, *still))
     for motion in engine.plate:

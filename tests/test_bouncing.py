@@ -147,7 +147,7 @@ def test_any_rod_goes_on(law):
 
 
 def test_rods_do_not_depend_on_their_number():
-    """Nor landings on where the first that counts is."""
+    """Landings of a rod are the same among more rods, and wherever the count begins."""
     setting = {**PAPER, "gamma": 2.7, "geometry": thin_rod(0.2)}
     few, many, other, later = (
         record(**setting, rods=rods, seed=seed, landings=150 - transient, transient=transient)

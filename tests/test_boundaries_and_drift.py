@@ -25,7 +25,7 @@ def ulps(got, want):
 
 @pytest.fixture
 def rods():
-    """Of all shapes and tilts, upright and lying ones among them."""
+    """Rods of all shapes and tilts, upright and lying ones among them."""
     lengths = sampling.geometries(default_rng(3), 5000)
     lengths[0, :50] = lengths[1, 50:100] = 0.0
     return ContactGeometry(*lengths)
@@ -33,13 +33,13 @@ def rods():
 
 @pytest.fixture
 def how():
-    """Friction and restitution of as many impacts."""
+    """Friction and restitution of as many impacts as there are rods."""
     friction, restitution = default_rng(4).uniform([[0.01], [0]], [[2], [0.99]], (2, 5000))
     return {"friction": friction, "restitution": restitution}
 
 
 def test_critical_friction_separates_stick_from_reversal(rods):
-    """Without slip at first the contact has to decide at once."""
+    """A contact without slip at first has to decide at once."""
     critical = impact.critical_friction(rods)
     for factor, regime in ((1 + 1e-12, Regime.SLIP_STICK), (1 - 1e-12, Regime.SLIP_REVERSAL)):
         setting = {"geometry": rods, "friction": factor * critical, "restitution": 0.5}
@@ -102,7 +102,7 @@ def test_drift_without_friction_is_undetermined():
 
 
 def test_extreme_numbers_have_the_answer_of_large_ones():
-    """Where squares of levers far beyond k, or of k far below them, are no numbers."""
+    """Levers far beyond k, whose squares are no numbers, give the limit; so does a tiny k."""
     far, short = np.array([1e100, 1e155, 1e200]), 10.0 ** -np.array([60, 70, 100, 155, 320])
     X, Z, mu = np.array([(1, 0.3, 0.3, 0.3), (1, 0.4, 0.4, 0.4), (0.1, 0, 0.3, 5)])[..., None]
     how = {"friction": 0.3, "restitution": 0.65}
@@ -128,7 +128,7 @@ OPTIMA = [
 
 
 def test_optimal_tilt_to_the_last_digits():
-    """Against a search at 50 digits on the formulas of the paper, (26) and (29)."""
+    """A search at 50 digits on the formulas of the paper, (26) and (29), finds the same."""
     for friction, restitution in OPTIMA:
         with mpmath.workdps(50):
             e, mu = mpf(restitution), mpf(friction)
@@ -160,7 +160,7 @@ def test_optimal_tilt_at_the_ends():
 
 
 def exact_relaxation(geometry, **how):
-    """The same from whole impacts at 50 digits, and how far apart the eigenvalues are."""
+    """Relaxation from whole impacts at 50 digits, and how far apart the eigenvalues are."""
     start = impact.drift(geometry, **how)
     c_x, c_z, step = mpf(float(start.c_x)), -mpf(float(start.c_z)), mpf(10) ** -12
     after = []
@@ -174,7 +174,7 @@ def exact_relaxation(geometry, **how):
 
 
 def test_relaxation_by_whole_impacts(rods, how):
-    """Also where a deviation lasts for millions of landings: slippery, or upright and lossless."""
+    """It holds where a deviation lasts for millions of landings: slippery, or upright, lossless."""
     lengths, columns = np.array(rods)[:, 100:280], np.array([*how.values()])[:, 100:280]
     columns[0, 60:120] *= 1e-9
     columns[1, 120:] = 1 - 1e-12 * columns[1, 120:]
@@ -214,7 +214,7 @@ def test_flat_end_drifts_backwards_below_its_threshold():
 
 
 def test_gyration_radius():
-    """Against 30 digits of what integration over the solid gives."""
+    """Gyration radii are those of integration over the solid, at 30 digits."""
     with mpmath.workdps(30):
         ratio = 1 / mpf("5.5")
         *_, of_round = closed.round_rod(1, ratio, ratio, 0, 1)
@@ -225,7 +225,7 @@ def test_gyration_radius():
 
 @pytest.mark.parametrize("fall", [0.01, 0.05, 0.4, 0.6, 0.999, 1.0, 1.7, 50.0])
 def test_landing_density(fall):
-    """One in all, in proportion to the approach or zero, and with the mean that is derived."""
+    """It sums to one, is proportional to the approach or zero, and has the derived mean."""
     phase = np.linspace(-np.pi, np.pi, 200_001)
     density = impact.landing_density(phase, fall_speed=fall)
     assert np.trapezoid(density, phase) == pytest.approx(1, abs=1e-4)
@@ -238,7 +238,7 @@ def test_landing_density(fall):
 
 
 def test_mean_plate_velocity():
-    """Of the paper's density, of an even one, of the upstroke; of slow rods as derived."""
+    """Means of the paper's density, an even one and the upstroke; of slow rods as derived."""
     of_paper = impact.mean_plate_velocity(plate_speed=np.array([2.0, -4.0]))
     assert of_paper == pytest.approx([1, -2], rel=1e-14)
     assert impact.mean_plate_velocity(np.ones_like) == pytest.approx(0, abs=1e-15)

@@ -26,9 +26,9 @@ def squared(impacts, hit):
 
 @each_law
 def test_impulse_and_energy(impacts, law):
-    """In every regime and in the Painleve region: a push within the friction cone, no energy made.
+    """The impulse is a push within the friction cone and makes no energy, but by Newton's law.
 
-    But by Newton's law; the energy is that of the velocities.
+    In every regime and in the Painleve region; the energy is that of the velocities.
     """
     hit = impacts.collide(law)
     slip = np.sign(impacts.c_x - impacts.omega * impacts.Z)
@@ -48,7 +48,7 @@ def test_impulse_and_energy(impacts, law):
 
 @each_law
 def test_units_of_length_and_time_do_not_matter(impacts, law):
-    """Powers of two change nothing but exponents, out to 1e-135 and 1e135."""
+    """Units that are powers of two change exponents alone, out to 1e-135 and 1e135."""
     length, speed = default_rng(15).integers(-450, 451, (2, impacts.c_x.size))
     powers = {"X": length, "Z": length, "k": length, "plate_velocity": speed}
     powers |= {"c_x": speed, "c_z": speed, "omega": speed - length, "energy_change": 2 * speed}

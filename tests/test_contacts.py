@@ -66,7 +66,7 @@ def test_two_axes_are_as_far_apart_as_least_squares_say(seed):
 
 
 def test_m7_distances_of_nearly_parallel_rods_are_accurate():
-    """Of each end, against extended precision: 4 ulp of the largest number that cancels."""
+    """Each end's distance is that of extended precision, to 4 ulp of the largest that cancels."""
     random, worst = default_rng(5), 0.0
     for _ in range(400):
         tilt = random.uniform(-pi, pi)
@@ -82,7 +82,7 @@ def test_m7_distances_of_nearly_parallel_rods_are_accurate():
 
 
 def test_m7_the_distance_of_rods_that_nearly_cross_is_exact():
-    """To 4 units in the last place of their lengths, down to the angle from which ends alone count.
+    """It is right to 4 ulp of their lengths, down to the angle from which ends alone count.
 
     Where they are closest is known to a rounding over the squared angle, no better.
     """
@@ -186,7 +186,7 @@ TO_ROUNDING = (  # ends whose squared distance is less than 1 as a sum of square
     ],
 )
 def test_rods_touch_at_one_place_or_two(rods, count):
-    """Side by side at two, in full where the ends do not reach each other; else at one."""
+    """Rods side by side touch at two, in full if ends do not reach each other; others at one."""
     rods = in_plane(*rods)
     found = pushed(rods)
     if count:
@@ -195,7 +195,7 @@ def test_rods_touch_at_one_place_or_two(rods, count):
 
 
 def test_forces_of_any_two_rods_are_those_of_brute_force():
-    """At all angles, nearly parallel ones too, and where ends meet."""
+    """They agree at all angles, for nearly parallel rods and where ends meet."""
     random, touching = default_rng(2), 0
     for number in range(80):
         lean, other = random.uniform(-pi, pi), random.choice([1e-9, 1e-3, 1]) * random.normal()
@@ -213,7 +213,7 @@ def test_forces_of_any_two_rods_are_those_of_brute_force():
 
 
 def test_one_spring_goes_round_the_end():
-    """As end on side becomes end on end, and that side on end, friction neither ends nor doubles.
+    """Friction neither ends nor doubles as end on side becomes end on end, and that side on end.
 
     The rods are at rest: the spring keeps its length. In a step of 1e-7 they stay so, to the 2e-4
     by which a dashpot lessens the force.
@@ -322,7 +322,7 @@ def cells(line):
 
 
 def restitution_of_rods(law, overlapped):
-    """Of two rods that meet along a part of their axes; 0: end on."""
+    """Restitution of two rods that meet along a part of their axes; 0: end on."""
     shift, speed, lying = (1 - overlapped) * 2 * HALF, 0.35, 0.0 if overlapped else pi / 2
     apart = (1, shift) if overlapped else (2 * HALF + 1, 0)
     rods = in_plane((0, 0, lying, speed, 0, 0), (apart[0] + 1e-6, apart[1], lying, -speed, 0, 0))
@@ -335,7 +335,7 @@ def restitution_of_rods(law, overlapped):
 
 @pytest.mark.parametrize("place", cells(TABLE[1]))
 def test_the_restitution_of_a_law_is_that_of_one_contact_point(place):
-    """As the guide's table says, to its last digit."""
+    """Restitution in each place is what the guide's table says, to its last digit."""
     column = cells(TABLE[1]).index(place) + 1
     (overlapped,) = (part for name, part in OVERLAPPED.items() if place.startswith(name))
     for line in TABLE[2].splitlines():

@@ -41,9 +41,9 @@ def _ratio(drifts, periods):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in SCENES if name not in ("annulus", "Gamma 2")])
 def test_errors_are_as_large_as_the_scatter_between_starts(name):
-    """Within 0.8 to 1.25 from 128 periods on, to one error of the ratio, 1/sqrt(2 50) of it.
+    """Their ratio is 0.8 to 1.25 from 128 periods on, to one error of it, 1/sqrt(2 50).
 
-    Below, none is quoted.
+    Below 128 periods no error is quoted.
     """
     drifts, _ = _starts(name, STARTS, LENGTHS[-1])
     shortest, *others = LENGTHS

@@ -71,7 +71,7 @@ def test_no_entry_passes_with_another_verdict(tag, verdict):
 
 @pytest.mark.parametrize("tag", sorted(ERRATA))
 def test_what_contradicts_a_mistake_is_named(tag):
-    """Another formula of the paper in the place of any of them, and the contradiction is gone."""
+    """With another formula of the paper in the place of any of them no contradiction is left."""
     named = BY_TAG[tag].contradicted_by
     assert named
     for place, one in enumerate(named):
@@ -136,7 +136,7 @@ def test_what_cannot_be_read_is_refused(tex):
 
 @each_equation
 def test_every_part_of_a_left_side_is_held(entry):
-    """By the paper's, by that of the step, or as it is read itself; a condition has none."""
+    """A left side is the paper's, its step's, or is read itself; a condition has none."""
     given = paper.parts(entry.left) or entry.lefts[:1]
     for place in range(len(given) if given[0] else 0):
         changed = [*given[:place], "Q_{17}", *given[place + 1 :]]
@@ -161,7 +161,7 @@ def test_a_left_side_of_several_letters_has_the_value_of_its_step(step, tag, mon
 
 @pytest.fixture
 def unsealed(monkeypatch):
-    """Past the seal of the words: what is computed tells a wrong one itself."""
+    """Open the seal of the words: what is computed must tell a wrong one itself."""
     monkeypatch.setattr(texts, "digest", lambda: texts.READ)
 
 
@@ -228,7 +228,7 @@ def test_a_second_route_shares_no_step_with_the_first(tag, check):
 
 @pytest.mark.parametrize("tag", sorted(paper.EQUATIONS))
 def test_a_changed_letter_or_sign_of_the_paper_is_caught(tag, monkeypatch):
-    """Past the seal: the proofs themselves see a changed formula, left side or number."""
+    """The proofs themselves, past the seal, see a changed formula, left side or number."""
     formula = paper.EQUATIONS[tag]
     monkeypatch.setattr(paper, "sealed", lambda: True)
     judged = [

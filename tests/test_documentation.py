@@ -83,7 +83,7 @@ def lacks(thing):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_public_names_are_documented(name):
-    """With every parameter, field, method and property; constants in the module's docstring."""
+    """Every parameter, field, method and property is; constants in the module's docstring."""
     module, _, own = name.rpartition(".")
     if callable(NAMES[name]):
         assert lacks(NAMES[name]) == set()
@@ -160,7 +160,7 @@ impact.collide(0.1, -0.2, geometry=rods, frictio=0.3, restitution=0.65)  # type:
 
 
 def test_a_script_under_strict_mypy_has_numbers_and_arrays(tmp_path):
-    """No Any where a field of a result is read; a misspelt name is still told."""
+    """No field of a result that is read is Any; a misspelt name is still told."""
     (tmp_path / "script.py").write_text(TYPED)
     exec(compile(TYPED.rpartition("\nimpact.")[0], "script", "exec"), {})
     words = sys.executable, "-m", "mypy", "--strict", "--follow-imports=silent", "script.py"
@@ -178,7 +178,7 @@ WITH_EXAMPLES = [
 
 @pytest.mark.parametrize("name", WITH_EXAMPLES)
 def test_examples_run(name, tmp_path, monkeypatch):
-    """As they stand, in an empty folder."""
+    """Examples in docstrings run as they stand, in an empty folder."""
     monkeypatch.chdir(tmp_path)
     found = doctest.testmod(importlib.import_module(name))
     plt.close("all")
@@ -188,7 +188,7 @@ def test_examples_run(name, tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("package", PACKAGES)
 def test_the_layout_names_every_file(package):
-    """In the left column of the package's docstring; a folder stands for the modules in it."""
+    """The package's docstring names it in a left column; a folder stands for its modules."""
     folder = ROOT / package
     layout = re.split(
         r"^Files, as one reads them\n-+\n", importlib.import_module(package).__doc__, flags=re.M

@@ -221,14 +221,14 @@ def test_absent_effects_cost_nothing(march, effect):
 
 
 def test_a_scene_without_walls_is_the_free_rod(march):
-    """No root but those of speed and turn, side by side and alone, and of the larger turns."""
+    """It has no root but those of speed and turn, in pairs and alone, and of larger turns."""
     _, (_, whole, body) = marched(march, up=IN_SPACE)
     assert len(re.findall(r"call[^\n]*sqrt", body)) <= 5
     assert not re.search("joined_ends|wall_forces", whole)
 
 
 def test_what_is_absent_everywhere_needs_next_to_nothing():
-    """Of a million rods that only fly: places, directions, velocities and accelerations."""
+    """Rods that only fly have places, directions, velocities and accelerations alone."""
     engine = prepare(md.Scene(start=md.Start(tilt_deg=10.0)), ledger=False, touches=False)
     state, watchers = engine.state, engine.watchers
     absent = state.forces, state.springs, state.listed, *state.scratch[2:], *watchers
@@ -238,7 +238,7 @@ def test_what_is_absent_everywhere_needs_next_to_nothing():
 
 
 def test_no_friction_is_the_same_as_a_coefficient_of_zero():
-    """And a plate that does not accelerate the same as one at rest: no code for either."""
+    """It has no code, and neither has a plate that does not accelerate: it is one at rest."""
     still = "contacts.plate.friction=0", "plate.acceleration=0", "rods.length=1"
     engine = prepare(row(*still, "box=none", "start.tilt_deg=0"))
     assert engine.effects.friction is engine.state.springs is engine.effects.plate is None

@@ -123,7 +123,7 @@ def between_walls(normal, friction):
     ],
 )
 def test_momentum_and_angular_momentum_are_kept(scene, rods, steps, rounding):
-    """With friction, springs and dashpots: a force acts on both rods at one point.
+    """Both are kept with friction, springs and dashpots: a force acts on both rods at one point.
 
     Each of some 500 steps rounds the sum of two velocities of at most 2, the moment arms are at
     most 5: 500 * 2 * 5 * EPS = 1e-12.
@@ -147,9 +147,9 @@ STARTS = {
 
 @pytest.mark.parametrize("name", STARTS)
 def test_rods_start_apart_and_with_no_momentum(name):
-    """In the first step nothing but gravity acts: where rods touch, rounding pushes them.
+    """Nothing but gravity acts in the first step, and seeded velocities have no mean.
 
-    Seeded velocities have no mean along the plate, or around the annulus.
+    Where rods touch, rounding pushes them. The mean is that along the plate, or around the annulus.
     """
     scene = STARTS[name]
     engine, absent = prepare(scene), {"gravity": 0.0}
@@ -171,7 +171,7 @@ def test_rods_start_apart_and_with_no_momentum(name):
 
 @pytest.mark.parametrize("integrator", single.METHODS)
 def test_m15_horizontal_momentum_where_nothing_acts(integrator):
-    """Without friction no bit of it changes, however many impacts there are."""
+    """Horizontal velocity without friction stays, to 1e-12, however many impacts there are."""
     dt, steps = 4e-5, 1_000_000
     scene = effects(md.coulomb(), 0.0, (0.0, -1.0))
     start = 0.0, 5.0, 0.1, 0.3, 0.0, 0.0
@@ -191,7 +191,7 @@ def test_smooth_walls_keep_the_angular_momentum_about_the_axis():
 
 
 def test_turning_the_whole_scene_changes_nothing():
-    """By a quarter of a circle and some: all vectors turn along, to what rounding grows into."""
+    """All vectors turn along, by more than a quarter of a circle, to what rounding grows into."""
     turn, rods = Rotation.from_rotvec([0, 0, 1.9]), crowd()
     scene = between_walls(LOSSY.normal, ROUGH)
     turned = turn.apply(rods.reshape(-1, 3)).reshape(rods.shape)
@@ -202,7 +202,7 @@ def test_turning_the_whole_scene_changes_nothing():
 
 
 def test_a_free_top_precesses_as_it_should():
-    """w is conserved, and the director turns about it at |w|."""
+    """The spin w is conserved, and the director turns about it at |w|."""
     rods, w = in_space(((0, 0, 0), (1, 2, 3)), aside=20.0), np.array([0.3, -0.2, 0.5])
     rods[0, TURN:] = w
     [found] = go(started(ROLLS, rods, dt=1e-3), 5000).rods
@@ -219,9 +219,9 @@ IN_COMMON = [0, 2, 3, 5, 6, 8, 10]  # columns of space that are those of the pla
     ("space", "friction"), [(SPACE, ROUGH), (ROLLS, HELD)], ids=["spring", "constraint"]
 )
 def test_rods_in_a_plane_do_in_space_as_in_the_plane(space, friction):
-    """With friction and losses, in a crowd and each alone at its own tilt; y stays as it is.
+    """Motion, ledger and records of rods in space are those of the row; y stays as it is.
 
-    Motion, ledger and records are those of the row.
+    With friction and losses, in a crowd and each alone at its own tilt.
     """
     tilts = np.radians([20] * 6 + [-5, 10, 30, 50, 70, 85])
     x = np.r_[1.0653 * np.arange(6), 32.0 * np.arange(1, 7)]  # rods at 20 degrees touch at 1.0642
@@ -262,7 +262,7 @@ def meeting(dt, offset):
 
 
 def in_space_at(scene, rods, dt, _):
-    """The same rods whatever the part of a step."""
+    """An engine of the same rods whatever the part of a step."""
     return started(scene, rods, dt)
 
 
@@ -321,7 +321,7 @@ def order(errors, steps):
 
 @pytest.mark.parametrize("name", ORDERS)
 def test_m15_elastic_contacts_keep_energy_to_second_order(name):
-    """Whichever part of a step the touch falls in; in the middle of contacts too, with samples."""
+    """It holds whichever part of a step the touch falls in, and amid contacts, with samples."""
     *how, steps, least = ORDERS[name]
     found, whole, moved, engines = zip(*(energy_error(*how, dt) for dt in steps), strict=True)
     assert np.abs(engines[0].ledger).max() < 1e-12
@@ -360,10 +360,10 @@ PERIODS = {  # the scene, whether contacts lose energy, the least order
 
 @pytest.mark.parametrize("name", PERIODS)
 def test_m15_places_after_a_period_converge(name):
-    """Root mean square over eight starts, against far shorter steps; the longest are a run's.
+    """Places of eight starts approach, in the mean square, those of far shorter steps.
 
-    A dashpot, whose force begins as the overlap to 1/4, and a slide that ends within a step have a
-    lower order.
+    The longest steps are a run's. A dashpot, whose force begins as the overlap to 1/4, and a slide
+    that ends within a step have a lower order.
     """
     scene, lossy, least = PERIODS[name]
     pers, errors = np.array([1000, 2000, 4000, 32_000]), []
@@ -389,7 +389,7 @@ def impact(law, friction, dt, offset):
     ("law", "friction"), [*((law, 0.3) for law in LAWS), ("coulomb", 0.0), ("elastic", 0.0)]
 )
 def test_m15_energy_ledger_closes_to_second_order(law, friction):
-    """Against the energy before, (1 + 0.5^2)/2, at the worst of 16 places of the touch.
+    """Energy and ledger add to that before, (1 + 0.5^2)/2, at the worst of 16 places of the touch.
 
     After the contact and in the midst of it, where the overlap holds energy.
     """
@@ -421,7 +421,7 @@ THROWN = "plate.acceleration=5", "start.speed=0.5", "step.coarse=true"
     ids=["row", "shaken walls", "rolling"],
 )
 def test_m15_the_ledger_closes_as_the_step_shrinks(scene, periods, steps, most):
-    """Residual over turnover: second order.
+    """The residual over the turnover falls in second order.
 
     Losses go with the velocities of their step. The runs part ways at contacts, which scatters
     single halvings; over all of them the order holds to a quarter.
@@ -448,7 +448,7 @@ def test_m15_the_ledger_closes_as_the_step_shrinks(scene, periods, steps, most):
     ids=" ".join,
 )
 def test_extremes_run_and_account_for_their_energy(changes):
-    """All is finite, and the energy accounts for itself to 2e-3 of its turnover.
+    """Rods and series are finite, and the energy accounts for itself to 2e-3 of its turnover.
 
     The ledger is of second order in the step, a fiftieth of a contact: 50^-2 = 4e-4, a few times.
     """

@@ -19,7 +19,7 @@ FULL = Mock(side_effect=OSError(errno.ENOSPC, os.strerror(errno.ENOSPC)))  # a d
 
 
 def test_a_result_is_given_before_the_checkpoint_that_failed(tmp_path, monkeypatch, capsys):
-    """By the command, then one line and an exit code; by the function, with a warning."""
+    """The command gives it, then one line and an exit code; the function warns."""
     monkeypatch.setattr(runner.np, "savez", FULL)
     command = ["run", "quasi2d", *sets(*ROW, *SCENE), "--periods", "2", "--json", "--checkpoint"]
     assert main([*command, str(tmp_path / "w.npz")]) == 2

@@ -78,7 +78,7 @@ def _exact_landing(speed, phase, gamma, guess):
 @pytest.mark.parametrize("speed", [1e-2, 1e-5, 1e-8, 1e-12])
 @pytest.mark.parametrize("phase", [3.3, 4.7, 6.1])
 def test_small_hop_is_not_the_take_off(speed, phase):
-    """The hop 2 r/|h''(0)| to its last digits, where the plain gap is nothing but rounding."""
+    """The hop 2 r/|h''(0)| is right to its last digits where the plain gap is rounding alone."""
     gamma = 2.5
     t, v = landing(departure(speed, phase, gamma), phase, gamma)
     exact = _exact_landing(speed, phase, gamma, -2 * speed / (gamma * sin(phase) - 1))
@@ -101,7 +101,7 @@ def test_long_flight(speed):
 
 
 def test_grazing():
-    """Across the take-off velocity at which the rod just touches the plate, time jumps, state not.
+    """Time, not the state, jumps at the take-off velocity at which a rod just touches the plate.
 
     A touch costs nothing, so that the flight that continues from it ends where the other one ends;
     velocities there differ by the square root of the gap of some roundings.
@@ -134,7 +134,7 @@ def test_grazing():
 @pytest.mark.parametrize("t", [0.1, 7.0, 2 * pi * 1e3, 1e6, 2 * pi * 1e6, 9e7])
 @pytest.mark.parametrize("phase", [0.0, 1e-9, 1.0, 6.283185307179586])
 def test_phase_of_a_long_step(t, phase):
-    """Against exact arithmetic: no multiple of the rounding error of 2 pi."""
+    """The phase is that of exact arithmetic, without a multiple of the rounding error of 2 pi."""
     periods, there = advance(phase, t)
     with mpmath.workdps(60):
         exact = mpmath.mpf(t) + mpmath.mpf(phase) - 2 * mpmath.pi * int(periods)
@@ -149,7 +149,7 @@ def test_phase_of_a_long_step(t, phase):
     ("phase", "c_x"), [(2.8, 0.2), (2.8, -0.9), (4.0, 5.0), (0.1, 1e-3), (5.5, -0.3)]
 )
 def test_friction_while_resting(phase, c_x):
-    """c_x and the distance against direct integration, whether the slip stops on the way or not."""
+    """Velocity and distance are those of integration, whether the slip stops on the way or not."""
     gamma, friction = 1.8, 0.3
     wait, end, distance = slide_to_lift(c_x, phase, gamma, friction)
     lift = asin(1 / gamma) + TURN * (phase > pi / 2)

@@ -32,7 +32,7 @@ def _meant(function):
 
 
 def _numbers(function):
-    """At three random points: arguments at 50 digits, and what each output is worth there."""
+    """Arguments at three random points, at 50 digits, and what each output is worth there."""
     arguments = [sp.sympify(x).subs(function.meaning) for x in function.arguments]
     forms = [*arguments, *_meant(function)]
     letters = set().union(*(form.free_symbols for form in forms))
@@ -65,7 +65,7 @@ def _computing_lines(tree):
 
 
 def test_generated_functions_are_their_derivations_and_no_line_may_change():
-    """Numerically, at 50 digits; a change of 1e-12 in any line is seen."""
+    """They agree at 50 digits; a change of 1e-12 in any line is seen."""
     tree = ast.parse(files.CLOSED_FORMS.read_text("utf-8"))
     functions = {function.name: function for function in closed_forms.FUNCTIONS}
     numbers = {name: list(_numbers(function)) for name, function in functions.items()}
@@ -130,7 +130,7 @@ def test_kernel_keeps_its_bits_in_a_loop_that_may_reorder_its_own_sums():
 
 
 def test_compiled_map_keeps_the_contract_on_odd_arguments():
-    """Scalars, broadcasting, float32, empty arrays, nan, infinities, huge and tiny numbers."""
+    """It gives NumPy's bits for scalars, float32, empty arrays, nan, inf, huge and tiny numbers."""
     rng, some = default_rng(24), sampling.everyday(12, seed=25)
     single = some._make(map(np.float32, some))
     for i in (

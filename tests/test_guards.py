@@ -68,7 +68,7 @@ INTO_LYING = {
 
 @pytest.mark.parametrize("name", INTO_LYING)
 def test_m8_rods_that_pass_into_one_another_are_stopped(name):
-    """At once, with the rods, the time and the overlap, and as they were when all was legal."""
+    """They are stopped at once, with rods, time and overlap, as they were when all was legal."""
     engine = started(ELASTIC_PLANE, in_plane(LYING, INTO_LYING[name]))
     why = r"rods 0 and 1: overlap .* at t = |rod 1: moved .* at t = "
     with pytest.raises(md.RunError, match=why) as caught:
@@ -102,7 +102,7 @@ def test_m8_no_rod_passes_through_another_one():
 
 @pytest.mark.parametrize("seed", range(4))
 def test_m8_crossing_rods_do_not_pass_through_each_other(seed):
-    """However fast: stopped before half a diameter, or turned back.
+    """However fast they are, they are stopped before half a diameter, or turned back.
 
     An axis that has come to the other side of the other one has gone through it.
     """
@@ -157,7 +157,7 @@ def from_axis(rod):
 )
 @pytest.mark.parametrize("inner", [True, False], ids=["inner", "outer"])
 def test_m10_no_wall_is_entered_beyond_the_soft_overlap(inner, director, friction, speed, every):
-    """Side or cap, thrown at it squarely or not; the rod comes back, slower than it came."""
+    """A rod thrown at a wall, squarely or not, by side or cap, comes back slower than it came."""
     room, side = 0.52 + abs(HALF * unit(director)[0]), 1 if inner else -1
     place = INNER + room if inner else OUTER - room - 1
     wall = Wall(INNER if inner else OUTER, LOSSY.normal, friction)
@@ -174,7 +174,7 @@ def test_m10_no_wall_is_entered_beyond_the_soft_overlap(inner, director, frictio
 
 @pytest.mark.parametrize("rough", ["inner", "outer"])
 def test_a_rod_pressed_between_shaken_walls_moves_with_them(rough):
-    """Without the plate, by friction of one wall, whose work is the rod's kinetic energy."""
+    """Friction of one wall moves it, without the plate, and its work is the kinetic energy."""
     pressing = {"inner": Wall(5.0, LOSSY.normal, SMOOTH), "outer": Wall(5.99, LOSSY.normal, SMOOTH)}
     pressing[rough] = pressing[rough]._replace(friction=ROUGH._replace(coefficient=10.0))
     quarter = 20_000
@@ -190,7 +190,7 @@ def test_a_rod_pressed_between_shaken_walls_moves_with_them(rough):
 
 @pytest.mark.parametrize("spring", [True, False], ids=["spring", "constraint"])
 def test_m5_a_rod_that_lies_and_is_pushed_does_not_creep(spring):
-    """Pushed with 0.9 mu m g for 1000 periods: below 1e-10 d once the spring is stretched."""
+    """Pushed with 0.9 mu m g for 1000 periods it creeps < 1e-10 d once its spring is stretched."""
     law, mu, period = md.constant_restitution(0.5, 1e3, tangential_ratio=2.0), 0.3, 135
     friction = Friction(mu, law.spring if spring else None)
     scene = PLANE._replace(normal=law.normal, friction=friction, plate=AT_REST)
@@ -207,7 +207,7 @@ def test_m5_a_rod_that_lies_and_is_pushed_does_not_creep(spring):
 
 
 def test_m5_a_lying_rod_that_a_wall_pushes_does_not_creep():
-    """With a third of the friction there is: less than 1e-10 d in 1e3 units of time."""
+    """Pushed with a third of the friction there is, it creeps less than 1e-10 d in 1e3 units."""
     force = 0.1
     deep, pressed = (force / SOFT) ** (2 / 3), (0.5 / SOFT) ** (2 / 3)
     x = INNER + 0.5 - deep + HALF
@@ -232,7 +232,7 @@ def largest(scene):
 
 
 def test_m6_a_step_that_is_not_stable_is_refused_with_the_largest_that_is():
-    """And the one it names is taken; coarse steps are beyond what springs allow."""
+    """The step that the refusal names is taken; coarse ones are beyond what springs allow."""
     limit, coarse = (largest(row(f"step.coarse={coarse}")) for coarse in ("false", "true"))
     assert coarse > 1.5 * limit
     assert prepare(row(f"step.size={limit}", "step.coarse=false")).dt <= limit
@@ -242,7 +242,7 @@ def test_m6_a_step_that_is_not_stable_is_refused_with_the_largest_that_is():
 
 
 def test_m6_the_largest_step_is_stable_for_a_row_pressed_together():
-    """Rods side by side, elastic, touching both neighbours at both ends: the stiffest they get.
+    """Elastic rods that touch both neighbours at both ends are the stiffest, and make no energy.
 
     Pressed by as much as the impacts that the step is made for. No energy from nothing: by 5 %
     in 200 steps at most, which at the border only bounded oscillations of the ledger's energy take.
@@ -263,7 +263,10 @@ def test_m6_the_largest_step_is_stable_for_a_row_pressed_together():
 
 @pytest.mark.parametrize("rolling", [False, True])
 def test_m6_the_largest_step_is_stable_for_rods_side_by_side(rolling):
-    """Upright, touching both neighbours at both ends, as deep as impacts go; friction holds."""
+    """Upright rods that touch both neighbours at both ends stay at rest as friction holds.
+
+    They overlap as deep as impacts go.
+    """
     rolls = f"rods.rolling={str(rolling).lower()}"
     asked = ring(rolls, "rods.length=9.5", "step.coarse=false")
     deep = deepest_overlap(LOSSY, asked.impact_speed)
@@ -319,7 +322,7 @@ def test_m11_a_run_a_million_periods_later_is_the_same():
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1e200])
 @pytest.mark.parametrize("scene", [row("start.drop=0.1"), ring()], ids=["row", "annulus"])
 def test_m16_a_state_that_is_not_finite_stops_the_run_at_once(scene, value):
-    """In any number of any rod; what is given back is what there was, all rods of one moment."""
+    """A bad number in any rod stops it; given back is what there was, all rods of one moment."""
     engine = go(prepare(scene), 50)
     before = engine.rods.copy()
     first = 0 if not np.isfinite(value) else 2 * len(engine.effects.up)  # of the velocities
@@ -333,7 +336,7 @@ def test_m16_a_state_that_is_not_finite_stops_the_run_at_once(scene, value):
 
 
 def test_rods_that_lie_down_and_rods_that_cross_go_on():
-    """One on the plate, one dropped across it in a wide gap: finite, and at rest in the end."""
+    """A rod on the plate and one dropped across it in a wide gap are finite, at rest in the end."""
     lying, crossing = ((9, 0, 0.51), [0, 1, 0]), ((9, 0, 1.55), [1, 0, 0], (0, 0, -0.5))
     outer = SPACE.outer._replace(radius=20.0)
     scene = SPACE._replace(outer=outer, plate=AT_REST, gravity=-1.0)

@@ -73,7 +73,7 @@ def t2_separating_pair(theirs):
 
 
 def t3_no_slip(theirs):
-    """At u_0 = 0 friction still acts; the map is continuous there."""
+    """Friction still acts at u_0 = 0; the map is continuous there."""
     slips = [0.0, -0.0, 1e-300, -1e-300, 1e-17, -1e-17]
     assert_accurate(theirs, every(c_x=slips, friction=[0.2, 0.9], restitution=0.6))
 
@@ -183,7 +183,7 @@ def t13_critical_tilts(theirs):
 
 
 def t14_long_levers(theirs):
-    """X, Z up to 100 k: the error grows no faster than the condition number AC/(AC - B^2)."""
+    """With X, Z up to 100 k errors grow no faster than the condition number AC/(AC - B^2)."""
     rng = default_rng(32)
     X, Z = 10 ** rng.uniform(-1, 2, (2, 400)) * rng.choice([-1, 1], (2, 400))
     A, B, C = 1 + X * X, X * Z, 1 + Z * Z
@@ -233,14 +233,14 @@ def t18_rounding_at_the_edge_of_a_slide(theirs):
 
 
 def t19_infinite_friction(theirs):
-    """Of an impact that grazes, hardly approaches, or begins at rest but for that: the limit."""
+    """Impacts that graze, hardly approach or begin at rest but for that have the limit."""
     grazing = {"c_z": [-1e-15, -1e-40, -1e-100], "friction": np.inf}
     for impacts in (every(**grazing, **PLAIN, c_x=[0.0, 1.0]), every(**grazing, X=[0.0, ROD.X])):
         assert_digits(theirs, impacts, "P_x", "omega", "normal_velocity")
 
 
 def t20_a_mass_in_a_point(theirs):
-    """k against the lever and the speed down to the smallest number: a regime, and no nan."""
+    """A k down to the smallest number, against lever and speed, has a regime and no nan."""
     slide = every(X=0.0, Z=1.0, k=1e-155, friction=0.0).collide(collide=theirs.collide)
     assert (slide.regime, slide.c_z, slide.P_z) == (Regime.SLIDE, 0.5, 1.5)
     rng = default_rng(34)

@@ -41,7 +41,7 @@ EXAMPLES = [words for command in ALL.values() for words in examples(command)]
 
 @pytest.mark.parametrize("name", ALL)
 def test_help_is_complete(name, capsys, monkeypatch):
-    """Each option, argument and command in words, lines that fit, an example of that command."""
+    """Options, arguments and commands have words, lines fit, one example is of that command."""
     monkeypatch.setenv("COLUMNS", "80")  # however wide the terminal
     package, *command = name.split()
     assert GROUPS[package]([*command, "--help"]) == 0
@@ -60,7 +60,7 @@ def test_help_is_complete(name, capsys, monkeypatch):
 
 @pytest.mark.parametrize("words", EXAMPLES, ids=" ".join)
 def test_examples_are_commands(words):
-    """Each parses, and those that read a scene or a figure name one that is there."""
+    """Each example parses, and names scenes and figures that are there."""
     package, name, *arguments = words
     given = ALL[f"{package} {name}"].make_context(name, arguments).params
     if (given.get("scene") or "mine.toml") != "mine.toml":
@@ -80,7 +80,7 @@ def test_cheap_examples_run(beginning, capsys, tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("name", ALL)
 def test_bad_usage_begins_with_the_command(name, capsys):
-    """One line, exit code 2."""
+    """An unknown option costs one line and exit code 2."""
     package, *command = name.split()
     refused(lambda: GROUPS[package]([*command, "--nonsense"]), f"python -m {name}: No such", capsys)
 
@@ -144,7 +144,7 @@ IMPACT = "md impact --tilt-deg=20 --c-x=0.5 --c-z=-1"
     [("figures --help", ""), (IMPACT, "1")],
 )
 def test_output_in_a_pipe_is_plain(words, unbuffered):
-    """Even where colours are asked for; a reader that has left is no error, a full disk a line.
+    """No colours come, even if asked for; a reader that has left is no error, a full disk a line.
 
     Whether the pipe breaks as a line is printed or, buffered, as the program ends.
     """

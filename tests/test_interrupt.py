@@ -55,7 +55,7 @@ def alarm():
 
 
 def test_all_packages_do_the_same():
-    """None imports another."""
+    """Sources that stand in several packages are the same: none imports another."""
     assert inspect.getsource(_interrupt.deferred) == inspect.getsource(interrupt.deferred)
     for name in ("plain", "replacing"):
         assert inspect.getsource(getattr(files, name)) == inspect.getsource(getattr(md.files, name))
@@ -65,7 +65,7 @@ def test_all_packages_do_the_same():
 
 
 def test_handlers_run_at_the_end_of_the_outermost():
-    """All of them, though each raises; then they are in their places again."""
+    """All handlers run, though each raises; then they are in their places again."""
     done = []
 
     def handle(number, _):
@@ -94,7 +94,7 @@ def test_handlers_run_at_the_end_of_the_outermost():
 
 
 def test_other_threads_have_no_signals():
-    """Where Python would refuse a handler."""
+    """Work in another thread, where Python would refuse a handler, is done without."""
     with ThreadPoolExecutor() as pool:
         assert pool.submit(interrupt.deferred()(lambda: True)).result()
 
@@ -105,7 +105,7 @@ def test_other_threads_have_no_signals():
     ids=["md", "impact"],
 )
 def test_a_compilation_ends_before_a_handler_runs(kernel, called, monkeypatch, tmp_path):
-    """The innermost of two is where the signal comes, and both are compiled."""
+    """A signal in the innermost of two kernels leaves both compiled."""
     monkeypatch.setattr(cache, "directory", lambda: tmp_path)
 
     def one():
@@ -135,7 +135,7 @@ def test_a_compilation_ends_before_a_handler_runs(kernel, called, monkeypatch, t
 
 
 def test_no_kernel_builds_its_result_by_calling_python():
-    """As Numba does for a named tuple, and dies if a handler raises there."""
+    """No part is a named tuple, which Numba builds in Python and dies if a handler raises there."""
     scene = effects_of(md.Rod(), md.coulomb(), 0.4, None, None)
     state = single.started("leapfrog", (0, 9, 0), (0, 0, 0), None, 1e-4)
     parts = [single.run(scene, state, 0, 1, 1e-4, np.zeros(WATCHED))]
@@ -167,7 +167,7 @@ def test_what_lasts_for_hours_can_be_stopped(last, alarm):
 
 
 def test_parts_give_the_bits_of_the_whole(monkeypatch):
-    """Landings, transient ones included, impacts, those left to NumPy included, a soft contact."""
+    """Landings, transient or not, impacts, those left to NumPy too, and a soft contact do."""
 
     def results():
         held = bouncing.record(impact.thin_rod(0.3), **HELD, landings=60, transient=25)
@@ -205,14 +205,14 @@ def test_commands_end_with_130_and_one_line(number, monkeypatch, capsys):
 
 
 def test_standard_output_that_is_closed_costs_one_line(monkeypatch, capsys):
-    """Python has none then; nothing is begun that could not be told."""
+    """Nothing is begun that could not be told: Python has no standard output then."""
     monkeypatch.setattr(sys, "stdout", None)
     assert exit_code(monkeypatch, pytest.fail) == 2
     assert capsys.readouterr().err == "it: cannot write: standard output is closed\n"
 
 
 def test_a_figure_is_not_made_of_half_a_run(monkeypatch):
-    """Which `md.run` would return, marked as not finished."""
+    """A figure ends where `md.run` would return half a run, marked as not finished."""
 
     def figure():
         scene = row("step.size=3e-4", "plate.acceleration=5")
@@ -222,7 +222,7 @@ def test_a_figure_is_not_made_of_half_a_run(monkeypatch):
 
 
 def test_a_handler_of_ones_own_ends_a_run(tmp_path, alarm):
-    """And leaves no half-written file."""
+    """A run that a handler ends leaves no half-written file."""
     alarm(0.3)
     with pytest.raises(RungError):
         md.run(row(), periods=10**6, checkpoint=tmp_path / "row.npz")
@@ -233,7 +233,7 @@ def test_a_handler_of_ones_own_ends_a_run(tmp_path, alarm):
 
 
 def test_a_file_that_is_not_finished_is_not_there(tmp_path):
-    """The old one is, and nothing beside it; what a killed process left is replaced."""
+    """The old file stays, with nothing beside it; what a killed process left is replaced."""
     path = tmp_path / "picture.png"
     path.write_text("old")
     with suppress(KeyboardInterrupt), replacing(path) as part:
@@ -281,7 +281,7 @@ BEGUN = {
     ("package", "number"), [*zip(BEGUN, 2 * interrupt.SIGNALS[:2], strict=True)]
 )
 def test_a_signal_during_the_imports_costs_one_line(package, number, tmp_path):
-    """From the first module of the package on, whatever is being imported."""
+    """It does from the first module of the package on, whatever is being imported."""
     command = [sys.executable, "-X", "importtime", "-m", package, *BEGUN[package].split()]
     for seconds in (0.0, 0.2):
         with subprocess.Popen(
@@ -314,7 +314,7 @@ LONG = {
 @each_signal
 @pytest.mark.parametrize("name", LONG)
 def test_a_signal_at_any_time_ends_the_command(name, number, tmp_path):
-    """While it compiles, half of the times, or runs; nothing is left beside the results."""
+    """A command ends as it compiles, half of the times, or runs, and leaves results alone."""
     random = default_rng(number)
     for cold in (True, False) * 5:
         folder = tmp_path / str(random.integers(10**9))

@@ -14,7 +14,7 @@ from .test_statistics import autoregressive
 
 
 def interval(series, *how, fell=0, **more):
-    """Of starts with these drifts, in which the same rods fall over in each period."""
+    """Interval of starts with these drifts, whose rods fall over alike in each period."""
     starts = [History(one, np.broadcast_to(fell, len(one)).astype(float)) for one in series]
     return accuracy.interval(starts, *how, **more)
 
@@ -54,7 +54,7 @@ def test_starts_in_one_state_are_pooled():
 
 @pytest.mark.parametrize(("annulus", "apart"), [(False, 1.0), (True, 0.019)])
 def test_starts_in_several_states_are_told_and_their_scatter_counts(annulus, apart):
-    """In an annulus sooner: by a chance of 1 %, which a row takes for one state."""
+    """An annulus tells them sooner: by a chance of 1 %, which a row takes for one state."""
     random = default_rng(3)
     series = [apart * level + 0.1 * random.normal(size=900) for level in (0, 0, 1)]
     found = interval(series, annulus=annulus)
@@ -65,7 +65,7 @@ def test_starts_in_several_states_are_told_and_their_scatter_counts(annulus, apa
 
 
 def test_a_run_that_has_not_settled_is_told():
-    """It is never reached; the change between the halves of its second half is an error."""
+    """Its goal is never reached; the change between halves of its second half is an error."""
     trending = np.linspace(1, 2, 800) + 0.1 * default_rng(4).normal(size=800)
     found, rest = interval([trending]), trending[400:]
     assert not found.settled
@@ -90,7 +90,7 @@ LATE, EARLY = (
     ids=["none", "steadily", "in the transient", "late", "ever more"],
 )
 def test_starts_that_agree_while_ever_more_rods_fall_have_not_settled(fell, settled):
-    """All of them decay together: their scatter shows nothing. A steady rate is settled."""
+    """Starts that decay together show nothing by their scatter; a steady rate is settled."""
     found = interval(NOISE, fell=fell)
     assert found.settled == settled
     assert found.chance > 0.01
@@ -109,7 +109,7 @@ def test_where_rods_fall_the_change_between_the_halves_is_an_error():
 
 
 def test_a_longer_transient_is_left_out():
-    """Of 1000 periods, whose first 250 drift three times as fast."""
+    """The first 250 of 1000 periods drift three times as fast, and 300 are left out."""
     series = 1 + 0.1 * default_rng(6).normal(size=1000)
     series[:250] += 2
     found = interval([series])
@@ -130,7 +130,7 @@ def followed(starts, tolerance, confidence=0.95):
 @pytest.mark.parametrize("memory", [0.0, 0.5, 0.7])
 @pytest.mark.parametrize("length", [300, pytest.param(1500, marks=pytest.mark.slow)])
 def test_runs_that_end_by_their_own_interval_hold_the_mean_as_often_as_they_say(memory, length):
-    """Of 400; within 92 and 98 in a hundred, and two standard deviations of so many more."""
+    """Of 400 runs 92 to 98 in a hundred hold it, to two standard deviations of so many."""
     random, hits, unsettled = default_rng(5), 0, 0
     tolerance = ndtri(0.975) / (1 - memory) / np.sqrt(length)
     for _ in range(400):

@@ -148,7 +148,7 @@ ALIKE = {(name, new) for name, new, _ in EDITS["alike"]}
 
 
 def test_mistakes_in_the_code_are_caught():
-    """Some of them, others with every edit of the code."""
+    """Some mistakes, others with every edit of the code, are caught."""
     others = [(name, old, new) for name, old, new in MISTAKES if (name, new) not in ALIKE]
     for mistake in random.Random(CODE).sample(others, 25):
         assert caught(*mistake)
@@ -177,7 +177,7 @@ def test_friction_without_end_is_its_limit():
 
 
 def test_the_situations_go_every_way():
-    """All regimes, early and late stops, both sides, the Painleve region, no slip."""
+    """They have all regimes, early and late stops, both sides, the Painleve region, no slip."""
     ways = set()
     with mpmath.workdps(60):
         for at in trials.situations():
@@ -191,7 +191,7 @@ def test_the_situations_go_every_way():
 
 
 def test_claimed_roundings_hold_where_levers_are_long():
-    """Also where P_z loses 43,800 times its last digit: what cancels there is larger."""
+    """They hold where P_z loses 43,800 times its last digit: what cancels there is larger."""
     rows = [[7, 5.3, 0.1, 57, 0, 1, 1.3203025]]
     rows += (10 ** default_rng(8).uniform(-2.5, 2.5, (60, 7))).tolist()
     with mpmath.workdps(60):
@@ -207,7 +207,7 @@ def test_claimed_roundings_hold_where_levers_are_long():
 
 
 def test_a_changed_constant_changes_the_digest(monkeypatch, tmp_path):
-    """Which says whether figures are of the present theory."""
+    """The digest says whether figures are of the present theory."""
     changed = tmp_path / "kernel.py"
     changed.write_text(CODE.replace("2.0**27 + 1", "2.0**26 + 1"), "utf-8")
     monkeypatch.setattr(files, "KERNEL", changed)

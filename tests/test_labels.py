@@ -26,7 +26,7 @@ def paired(function, **indexes):
 
 @each_function
 def test_labels_that_differ_are_refused_and_equal_ones_are_not(function):
-    """Whichever two numbers bear them: none are paired by position against their labels."""
+    """No two numbers are paired by position against their labels."""
     for one, other in combinations(numbers_of(function), 2):
         unlike = r"must have equal labels, got \['a', '[bc]'\] .* \['a', '[bc]'\];"
         with pytest.raises(ValueError, match=unlike) as error:
@@ -45,7 +45,7 @@ def test_a_geometry_keeps_the_labels_of_what_it_was_made_of(shape):
 
 
 def test_labels_are_compared_as_axes_are_paired():
-    """From the last axis; a dimension without an index, and a plain array, fit to any labels."""
+    """Labels are compared from the last axis; what has no index fits to any labels."""
     row = xr.DataArray([1.0, 2.0], {"x": list("ab")}, ["x"])
     table = xr.DataArray(np.ones((2, 2)), {"x": list("ab")}, ["y", "x"])
     bare = xr.DataArray([0.3, 0.4], dims=["x"])

@@ -162,7 +162,7 @@ def test_an_impact_has_the_same_bits(run, law):
 
 
 def same_pairs(call, law, first, second, how):
-    """The same for two bodies; returns the regimes."""
+    """Compare impacts of two bodies with Python's; the regimes."""
     want = impact.collide_pair(first, second, **how, law=law)
     numbers = call("collide_pair", law, [*first, *second, *how.values()])
     same(numbers, [*want.first, *want.second, *want[2:]])
@@ -171,7 +171,7 @@ def same_pairs(call, law, first, second, how):
 
 @each_law
 def test_an_impact_of_two_bodies_has_the_same_bits(run, law):
-    """Also where speeds, levers or responses cancel, against a wall, and of two walls."""
+    """It has where speeds, levers or responses cancel, against a wall, and of two walls."""
     call, n = run
     for alike in (0.0, 0.99):
         first, second, how = test_pairs.pairs(n // 2, seed=72, alike=alike)
@@ -181,7 +181,7 @@ def test_an_impact_of_two_bodies_has_the_same_bits(run, law):
 
 
 def test_the_path_turns_where_forward_slip_ends(run):
-    """Straight on in a slide; at no slip else, and as far as all laws go together."""
+    """It goes straight on in a slide, else turns at no slip, as far as all laws go together."""
     call, n = run
     i = impacts(n, seed=73)
     u, v, P_x, P_z = call("path", LAWS[0], i.given())
@@ -255,7 +255,7 @@ def test_the_example_of_the_header_prints_what_python_finds(header):
 
 @each_law
 def test_what_is_out_of_its_domain_is_invalid_as_in_python(run, law):
-    """Or has the same bits, where one number in ten is odd."""
+    """Where one number in ten is odd, results are invalid as in Python or have its bits."""
     call, _ = run
     rng = default_rng(75)
 

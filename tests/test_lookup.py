@@ -18,7 +18,7 @@ from .test_derivations import each_equation
 
 @each_equation
 def test_a_function_has_the_values_of_what_was_derived(entry):
-    """At a random point, by position and by name; what one form lacks cancels in the other."""
+    """It has, at a random point, by position and by name; letters of one form alone cancel."""
     derived = entry.derive()
     point = random_point(derived.free_symbols | entry.readable().free_symbols, seed=1)
     function = derivations.function(entry.tag)
@@ -58,7 +58,7 @@ def test_letters_are_under_the_names_that_are_printed():
 
 
 def test_own_rods():
-    """X(phi), Z(phi) of one's own, which broadcast with friction."""
+    """A geometry X(phi), Z(phi) of one's own broadcasts with friction."""
     phi = np.radians([25.0, 40.0, 60.0])
     rod = impact.ContactGeometry(X=np.sin(phi), Z=np.cos(phi) + 0.05 * phi, k=0.6)
     friction = np.array([[0.1], [0.2]])
@@ -78,7 +78,7 @@ def test_whole_numbers_and_single_precision():
     [("21", "(21)"), ("21", 21), ("21", np.int64(21)), ("B4", "b4"), ("B4", "(B4)")],
 )
 def test_a_tag_is_taken_as_it_is_written(tag, given):
-    """In parentheses, as a number, in either case."""
+    """A tag is found in parentheses, as a number, in either case."""
     assert derivations.equation(given) == derivations.equation(tag)
     assert derivations.function(given).__name__ == f"equation_{tag}"
 

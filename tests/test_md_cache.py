@@ -39,7 +39,7 @@ print(json.dumps([md.__file__, force, *counts]))
 
 @pytest.fixture(autouse=True)
 def no_folder_chosen(monkeypatch):
-    """Whatever the environment says, here and in processes."""
+    """Leave out the folder that the environment names, here and in processes."""
     monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
     monkeypatch.setattr(numba.config, "CACHE_DIR", "")
 
@@ -52,7 +52,7 @@ def copy(tmp_path):
 
 
 def environment(copy):
-    """Of a process that runs the copy, with a cache of its own."""
+    """Environment of a process that runs the copy, with a cache of its own."""
     home = copy.parent
     return {"PYTHONPATH": str(home), "XDG_CACHE_HOME": str(home / "cache")}
 
@@ -117,7 +117,7 @@ def test_processes_that_compile_at_once_do_not_mix_up_what_they_keep(copy):
 
 
 def test_without_a_folder_kernels_are_compiled_each_time(tmp_path, monkeypatch):
-    """Below a file there can be none, whoever asks; one line says so."""
+    """There can be no folder below a file, whoever asks; one line says so."""
     (tmp_path / "file").touch()
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
     with pytest.warns(RuntimeWarning, match=r"^compiled kernels cannot be kept .*file.*: they are"):
@@ -130,7 +130,7 @@ def test_without_a_folder_kernels_are_compiled_each_time(tmp_path, monkeypatch):
 
 
 def test_a_disk_that_fills_up_costs_no_more_than_compiling(monkeypatch):
-    """Told once, whatever else is compiled."""
+    """A full disk is told once, whatever else is compiled."""
     monkeypatch.setattr(IndexDataCacheFile, "_save_index", FULL)
     double = cache.kernel(lambda x: 2 * x)
     cache._warn_once.cache_clear()
@@ -140,7 +140,7 @@ def test_a_disk_that_fills_up_costs_no_more_than_compiling(monkeypatch):
 
 
 def test_folders_of_old_sources_are_removed_in_time(tmp_path, monkeypatch):
-    """Also from the folder that NUMBA_CACHE_DIR names."""
+    """Old folders go, also from the one that NUMBA_CACHE_DIR names; recent ones stay."""
     monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path))
     old, recent = (tmp_path / "rod-impact" / name for name in ("0" * 12, "1" * 12))
     for folder in (old, recent):
@@ -155,7 +155,7 @@ def test_folders_of_old_sources_are_removed_in_time(tmp_path, monkeypatch):
 def test_an_inlined_kernel_is_compiled_without_an_entry_until_python_calls_it(
     compiler, monkeypatch, tmp_path
 ):
-    """Whichever call comes first, and from the cache as well; entries cost a third of the time."""
+    """No entry is there whichever call comes first, cached or not: it costs a third of the time."""
     monkeypatch.setattr(cache, "directory", lambda: tmp_path)
 
     def calling(kernel):

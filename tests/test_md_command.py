@@ -60,6 +60,6 @@ def test_every_law_and_integrator(capsys, law, integrator):
 
 
 def test_a_law_of_ones_own():
-    """With terms that the laws have, so that the kernel is theirs."""
+    """A law of one's own, with terms that the laws have, runs by their kernel."""
     law = md.Law("mine", Normal(5e6, quarter=300.0), None)
     assert md.impact(0.1, 0.0, -1.0, friction=0.3, law=law).c_z > 0

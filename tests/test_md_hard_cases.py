@@ -103,7 +103,7 @@ def test_m2_the_plate_never_pulls(law, integrator):
 
 @pytest.mark.parametrize("law", [md.coulomb(), md.constant_restitution()])
 def test_m2_the_end_of_the_force_is_the_end_of_the_contact(law):
-    """Its time is right to a step or two, and no step is made after it."""
+    """The end's time is right to a step or two, and no step is made after it."""
     tilt, velocity = SLIP_STICK
     true = md.impact(tilt, *velocity, friction=0.4, law=law, integrator="dop853")
     for dt in (CONTACT / 200, CONTACT / 2000):
@@ -132,7 +132,7 @@ def test_m3_no_slip_is_left_by_the_constraint(stiffness, integrator):
 
 
 def test_m3_a_spring_leaves_slip_as_one_over_its_ratio():
-    """It lets the contact point go as fast as the limit that it has to follow shrinks."""
+    """The spring lets the contact point go as fast as the limit that it follows shrinks."""
     ratios = [30.0, 300.0, 3000.0]
     slips = [
         last_slip(md.constant_restitution(tangential_ratio=ratio), steps=1000) for ratio in ratios
@@ -146,7 +146,7 @@ def test_m3_a_spring_leaves_slip_as_one_over_its_ratio():
 @each_case
 @pytest.mark.parametrize("law", ["constant_restitution", "appendix_a"])
 def test_m4_a_cut_spring_keeps_the_order(law, case):
-    """At least 0.9 from the coarsest stable step to one 64 times finer, and no floor between."""
+    """It is 0.9 or more from the coarsest stable step to one 64 times finer, without a floor."""
     number = 60 * 2 ** np.arange(7)
     true = velocities(case, LAWS[law], "leapfrog", 200_000)
     errors = [
@@ -226,8 +226,8 @@ def rests(law, integrator, part, tilt, friction):
     ],
 )
 def test_m6_stable_just_below_the_largest_and_not_far_above(law, tilt, friction, integrator):
-    """To 5 percent where normal forces act alone, on the safe side with a spring: by less
-    than 30, where Verlet's method solves for a part of it less than 70.
+    """The limit is right to 5 percent where normal forces act alone, with a spring on the safe
+    side: by less than 30, where Verlet's method solves for a part of it less than 70.
 
     Undamped, Gear's method gains a little at any step; at 0.4 of the largest, next to nothing.
     """
@@ -261,7 +261,7 @@ def test_a_long_step_has_the_restitution_asked_for_on_average():
 
 @pytest.mark.parametrize(("overlap", "part"), [(2.5e-5, 0.25), (1e-3, 1.0)])
 def test_a_new_spring_grows_since_the_touch(overlap, part):
-    """By the slip in the part of the step in which there was a contact; later by all of it."""
+    """A spring grows by the slip in the part of the step with a contact; later by all of it."""
     dt, slip = 1e-4, 1e-3
     friction = Friction(1.0, Spring(root=1.0))
     arm = (0.0, -1.0)
@@ -290,7 +290,7 @@ def test_m16_too_deep_stops_with_the_last_good_state():
 @pytest.mark.parametrize("bad", [nan, inf, -inf, 1e300])
 @each_integrator
 def test_m16_not_finite_stops_at_once(integrator, bad):
-    """In the step in which it appears, with the state that it found."""
+    """The run stops in the step in which it appears, with the state that it found."""
     scene = effects(md.coulomb(), 0.0, GRAVITY)
     state = single.started(integrator, (0.0, 9.0, 0.0), (0.0, 0.0, 0.0), GRAVITY, 1e-4)
     sick = state._replace(velocity=(bad, 0.0, 0.0))
@@ -306,7 +306,7 @@ def test_m16_not_finite_stops_at_once(integrator, bad):
 
 @pytest.mark.parametrize("law", ["coulomb", "constant_restitution"])
 def test_a_rod_rests_on_a_vibrating_plate_below_its_gravity(law):
-    """Gamma = 0.5, a hundred periods: never off the plate, as deep as its load asks for.
+    """At Gamma = 0.5 it never leaves the plate in a hundred periods, as deep as its load asks for.
 
     F_n = 1 + 0.5 sin up to the rod's own oscillation on the contact, a thousand times faster.
     """

@@ -50,7 +50,7 @@ def against_theory(
 
 
 def meets_the_theory(*given, **how):
-    """At k_n = 1e9 the contact is 5e-4 d deep, and the arms change by as much: 4e-4 is a bound."""
+    """Bound errors by 4e-4: at k_n = 1e9 contacts are 5e-4 d deep, and arms change by as much."""
     error, wrong = against_theory(*given, **how)
     assert error <= 4e-4
     assert not wrong
@@ -72,7 +72,7 @@ APPROACHES = [  # c_x, c_z, omega: slip of both signs, fast, slow and none to sp
 @pytest.mark.parametrize("velocity", APPROACHES)
 @pytest.mark.parametrize(("friction", "rod"), [(0.3, ROD), (0.4, ROD), (0.4, FLAT)])
 def test_rigid_limit(friction, rod, velocity):
-    """Flat ends on either side of 7.1 degrees too, where their centre of mass passes the edge."""
+    """It holds for flat ends on either side of 7.1 degrees, where the centre passes the edge."""
     meets_the_theory(velocity, friction=friction, rod=rod)
 
 
@@ -110,7 +110,7 @@ def test_extremes_and_every_integrator_meet_the_theory(how):
     [((0.5, -1.0, 0.0), ROD), ((0.5, -1.0, 0.1), ROD), ((0.5, -1.0, 0.0), FLAT)],
 )
 def test_error_falls_as_overlap(velocity, rod):
-    """As k_n^(-2/5), the overlap by which the arms of the forces change.
+    """It falls as k_n^(-2/5), the overlap by which the arms of the forces change.
 
     The next term is smaller by another overlap, 2e-3 d at k_n = 1e7, and bends the slope over six
     decades by no more than a few of these.
@@ -123,7 +123,7 @@ def test_error_falls_as_overlap(velocity, rod):
 
 
 def test_sphere_forgets_its_tilt():
-    """To the rounding of sin and cos in every step, about sqrt(steps) ulp."""
+    """A sphere's tilt changes no more than sin and cos round in every step, sqrt(steps) ulp."""
     hits = [md.impact(t, 0.5, -1.0, friction=0.05, rod=md.Rod(1.0)) for t in (0.0, 0.7, -1.5)]
     for hit in hits:
         assert hit[:4] == pytest.approx(hits[0][:4], rel=1e-13)
@@ -132,7 +132,7 @@ def test_sphere_forgets_its_tilt():
 
 @pytest.mark.parametrize("rod", [ROD, FLAT])
 def test_mirror_symmetry(rod):
-    """Bit for bit: no sign of tilt, slip or spin is preferred."""
+    """No sign of tilt, slip or spin is preferred, bit for bit."""
     for tilt in TILTS:
         hit = md.impact(tilt, 0.5, -1.0, 0.1, friction=0.3, rod=rod)
         other = md.impact(-tilt, -0.5, -1.0, -0.1, friction=0.3, rod=rod)
@@ -145,7 +145,7 @@ def test_mirror_symmetry(rod):
 
 @pytest.mark.parametrize("tilt", [0.0, pi / 2])
 def test_plastic(tilt):
-    """Over once a step brings it no more than 1e-12 of the overlap closer, on one cap or two."""
+    """It is over once a step brings it no more than 1e-12 of the overlap closer, on one or two."""
     hit = md.impact(tilt, 0.0, -1.0, friction=0.3, law=md.coulomb(0.0))
     assert abs(hit.restitution) <= 1e-12 * hit.max_overlap / hit.dt
 
@@ -155,7 +155,7 @@ def test_plastic(tilt):
 
 @pytest.mark.parametrize("restitution", [0.05, 0.3, 0.65, 0.9, 1.0])
 def test_restitution_is_what_was_asked(restitution):
-    """At speeds over four decades, to the tolerance of the integration.
+    """It is at speeds over four decades, to the tolerance of the integration.
 
     At 1 the end of the force is that of the overlap, where the signal is flat: less is located.
     """
@@ -191,7 +191,7 @@ def test_moment_of_inertia(length):
     ("tilt", "rod"), [(pi / 2, ROD), (pi / 2, FLAT), (0.0, FLAT), (-0.0, FLAT)]
 )
 def test_both_caps_at_once(tilt, rod):
-    """Lying, or upright on a flat end: no turn, twice the stiffness, so less overlap by 2^(2/5).
+    """Rods on both caps do not turn, and overlap less by 2^(2/5), having twice the stiffness.
 
     A rod that comes down on both shows its whole mass to both contacts together; friction below
     acts at half a diameter and turns it only as far as the plate lets it.
@@ -210,7 +210,7 @@ def test_both_caps_at_once(tilt, rod):
 @pytest.mark.parametrize("law", md.LAWS)
 @pytest.mark.parametrize("speed", [1e-3, 1e-6, 1e-9])
 def test_grazing(law, speed):
-    """Slowly down, quickly along: the impact fades with its speed, and friction with it."""
+    """An impact slowly down, quickly along, fades with its speed, and friction with it."""
     hit = md.impact(0.3, 1.0, -speed, friction=0.3, law=md.LAWS[law]())
     assert 0 <= hit.restitution <= 1 + 1e-3
     assert abs(hit.c_x - 1.0) <= 0.3 * (1 + hit.restitution) * speed
@@ -226,5 +226,5 @@ def test_grazing(law, speed):
     ],
 )
 def test_tangential_dashpots_add_up(dashpots, expected):
-    """A constant one, and one in proportion to the overlap of 0.5 d; the spring beside them."""
+    """A constant dashpot and one in proportion to the overlap, 0.5 d, add up beside the spring."""
     assert tangential_constants(Spring(2.0, **dashpots), 0.5, 1.0) == (1.0, expected)

@@ -123,7 +123,7 @@ def followed(law, case, finer=1):
 @each_law
 @each_regime
 def test_twelve_digits(law, case, regime):
-    """Of |c_z| = 1, in at most 3000 evaluations; rounding is that of a thousand of them.
+    """It has twelve digits of |c_z| = 1 in 3000 evaluations, rounding being that of a thousand.
 
     Steps half as long change the integration that it is compared to by less.
     """
@@ -158,7 +158,7 @@ def test_tolerance_is_kept(law, case, regime):
 
 
 def test_every_contact_ends():
-    """Switches that lie nearer to one another, or to the end of the force, than the tolerance."""
+    """It ends with switches nearer to each other, or to the force's end, than the tolerance."""
     laws = [*LAWS, md.constant_restitution(tangential_ratio=1.0, tangential_damping=0.1)]
     for law, tilt, friction, tolerance in product(
         laws, (0, 5, 20, 45, 76), (0.1, 0.4, 1e4), (1e-12, 1e-9, 1e-6)
@@ -170,7 +170,7 @@ def test_every_contact_ends():
 
 @pytest.mark.parametrize("phase", [0.3, 2.5])
 def test_a_plate_that_vibrates_is_that_of_the_fixed_steps(phase):
-    """Its velocity at the touch, and how it changes during the contact."""
+    """The plate's velocity counts at the touch, and as it changes during the contact."""
     given = {"friction": 0.4, "law": md.coulomb(stiffness=1e4), "vibration": (0.02, 5.0, phase)}
     exact = md.impact(radians(20), 0.5, -2.0, integrator="dop853", **given)
     steps = md.impact(radians(20), 0.5, -2.0, integrator="verlet", dt=1e-6, **given)

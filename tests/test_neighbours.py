@@ -55,7 +55,7 @@ def build(rods, half, period, listed):
 
 
 def entries(listed):
-    """Of a list in use."""
+    """Entries (first, second, image) of a list in use, each once."""
     start = listed.start[listed.turn[0]]
     found = listed.index[listed.turn[0], : start[-1]]
     assert_array_equal(found[:, 0], np.repeat(np.arange(len(start) - 1), np.diff(start)))
@@ -97,7 +97,7 @@ def crowd(random, n, length, width):
     ],
 )
 def test_the_list_holds_exactly_the_close_pairs(n, length, period):
-    """30 random states each, the list renewed from one to the next and so sorted from any order.
+    """It does for 30 random states, renewed from one to the next and so sorted from any order.
 
     Equality within the rounding of places up to 2 `period`: none lies that near the skin's edge.
     """
@@ -113,7 +113,7 @@ def test_the_list_holds_exactly_the_close_pairs(n, length, period):
 
 @pytest.mark.parametrize(("radius", "count"), [(30.0, 60), (3.0, 12)])
 def test_neighbours_by_azimuth_are_all_close_pairs(radius, count):
-    """Against brute force; in the second case a rod spans more than half of the circle."""
+    """They are those of brute force; in the second case a rod spans more than half the circle."""
     random, rods = default_rng(4), np.zeros((count, SPACE_COLUMNS))
     azimuth = random.uniform(-np.pi, np.pi, count)
     rods[:, 0], rods[:, 1] = radius * np.cos(azimuth), radius * np.sin(azimuth)
@@ -129,7 +129,7 @@ def test_neighbours_by_azimuth_are_all_close_pairs(radius, count):
 
 @pytest.mark.parametrize(("n", "period"), [(1, 2.01), (10, 11.5), (20, 26.0)])
 def test_forces_are_those_of_all_pairs(n, period):
-    """Every image of every pair once, by brute force; sums of some ten forces round by EPS each.
+    """Every image of every pair counts once, as by brute force; some ten forces round by EPS each.
 
     In the box of 2.01 a rod touches its own images, which turn it upright.
     """
@@ -147,7 +147,7 @@ def test_forces_are_those_of_all_pairs(n, period):
 
 
 def test_m9_a_period_added_to_any_rod_changes_no_force():
-    """Beyond what rounding its place does, 4 ulp of the place times the steepest slope."""
+    """Forces change by what rounding a place does, 4 ulp of it times the steepest slope."""
     random, n, period = default_rng(3), 6, 6.3
     x = np.arange(n) * period / n + 0.01 * random.normal(size=n)
     rods = in_plane(*((place, 5.0, np.arccos(n / period)) for place in x))
@@ -170,7 +170,7 @@ def lively():
 
 
 def test_no_touching_pair_is_missed_while_rods_move():
-    """All pairs with all images against the list, every twenty steps."""
+    """The list holds all pairs with all images that touch, every twenty steps."""
     engine, touching, lists = lively(), 0, set()
     period, half = engine.effects.period, engine.effects.half_length
     for _ in range(engine.per // 10):
@@ -215,7 +215,7 @@ CLOSING = {  # as fast as rods of a largest speed of 1 may, from a gap of 0.05 d
 
 @pytest.mark.parametrize("name", CLOSING)
 def test_what_sleeps_wakes_in_time(name):
-    """To the bits of a run in which nothing sleeps."""
+    """Pairs that sleep give the bits of a run in which nothing sleeps."""
     usual, often = (started(ELASTIC_PLANE, in_plane(*CLOSING[name])) for _ in range(2))
     slept, wide = 0, []
     for _ in range(400):
@@ -233,7 +233,7 @@ def test_what_sleeps_wakes_in_time(name):
 
 
 def test_a_list_that_is_full_grows():
-    """From one entry on, and once more while contacts are open; to the same bits."""
+    """It grows from one entry on, and again while contacts are open, to the same bits."""
     usual, small = lively(), lively()
     small.state = small.state._replace(
         listed=neighbours.nothing_listed(len(small.rods), 1, True, False),
@@ -272,7 +272,7 @@ def reads(n):
 
 
 def test_a_list_takes_time_linear_in_the_number_of_rods():
-    """Counted, not timed: each rod looks at the rods within its length, however many there are."""
+    """Each rod looks at the rods within its length, however many there are: reads are counted."""
     few, many = reads(100), reads(400)
     within = ceil((2 * HALF + 1 + SKIN) / (43 / 40)) + 2
     assert few <= 100 * (2 * within + 10)

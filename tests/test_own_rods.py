@@ -41,7 +41,7 @@ def test_each_figure_takes_what_the_list_says():
 
 
 def test_a_figure_is_drawn_from_values_of_ones_own(tmp_path, monkeypatch):
-    """And is not taken for the paper's afterwards; each figure takes what it knows.
+    """It is not taken for the paper's afterwards; each figure takes what it knows.
 
     In processes that need no window, whatever the environment says.
     """
@@ -71,7 +71,7 @@ def mine(tmp_path, monkeypatch):
 
 
 def test_the_papers_statements_are_judged_for_ones_own_rods(mine, tmp_path, capsys):
-    """Numbers of their row; the theory has the friction and restitution of their plate."""
+    """Numbers are of their row; the theory has the friction and restitution of their plate."""
     out = tmp_path / "out"
     assert main(["claims", "--scene", str(mine), "--quick", "--out", str(out)]) == 0
     begin, left, rods, says, *lines = capsys.readouterr().out.splitlines()
@@ -101,7 +101,7 @@ def test_a_figure_of_the_row_shows_ones_own_rods(mine):
 
 
 def test_annuli_of_ones_own_hold_as_many_more_rods_as_they_are_wider(tmp_path, capsys):
-    """Without what is the paper's alone; a row is refused."""
+    """What is the paper's alone is left out; a row is refused."""
     wide = tmp_path / "wide.toml"
     text = (SCENES / "annulus.toml").read_text()
     for radius, twice in (("5.73228", "12.31866"), ("7.44094", "14.02778")):  # as wide a gap

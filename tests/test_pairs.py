@@ -37,7 +37,7 @@ def pairs(n, seed, decades=3.0, alike=0.0):
 @each_law
 @pytest.mark.parametrize("alike", [0.0, 0.99])
 def test_impulses_are_those_of_a_walk_in_impulse_space(law, alike):
-    """Masses, sizes and speeds over six decades; and where speeds, levers or responses cancel."""
+    """They are, over six decades, and where speeds, levers or responses cancel."""
     first, second, how = pairs(300, seed=41, alike=alike)
     hit = collide_pair(first, second, **how, law=law)
     found = np.array([hit.P_x, hit.P_z, hit.energy_change, *hit.first[4:], *hit.second[4:]])
@@ -68,7 +68,7 @@ def test_a_body_on_an_infinitely_heavy_one_is_a_rod_on_a_plate(law):
 
 @each_law
 def test_which_body_is_the_first_does_not_matter(law):
-    """Bit for bit: exchanged and turned by half a turn; and mirrored."""
+    """Exchanged and turned by half a turn, or mirrored, they have the same bits."""
     *bodies, how = pairs(20_000, seed=44, alike=0.5)
     bodies = np.array(bodies)
     # of mass, k, X, Z, c_x, c_z, omega
@@ -113,7 +113,7 @@ def test_a_mass_in_a_point_on_a_lever_gives_way_like_one_that_is_nearly_so():
 
 
 def test_bodies_of_infinite_mass_must_not_close():
-    """Nothing could give way; as numbers they are refused, elements of arrays are invalid."""
+    """Two walls that close are refused as numbers and invalid in arrays: nothing gives way."""
     wall = REST._replace(mass=np.inf)
     with pytest.raises(impact.InputError, match="must not both be inf"):
         collide_pair(BALL._replace(mass=np.inf), wall, **HOW)

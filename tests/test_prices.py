@@ -17,7 +17,7 @@ def parts(thing, path=""):
 
 
 def parts_of(variant):
-    """The same of a variant, with the series that is sampled."""
+    """Names of all that there is in a variant, with the series that is sampled."""
     engine = variant.engine()
     found = parts(engine.effects) | parts(engine.state) | parts(engine.watchers)
     return found | {name for name in variant.diagnostics if name == "series"}
@@ -33,7 +33,7 @@ def test_every_part_of_a_scene_has_its_price(key):
 
 
 def test_places_are_seen_from_the_plate(monkeypatch):
-    """At rest a plate is under the rods as the moving one was, and as fast; the list stays good."""
+    """A plate at rest is under rods as the moving one was, and as fast; the list stays good."""
     monkeypatch.setattr(effect_prices, "PLACES", 3)
     plate = FULL.engine().plate
     for (there, step), (seen, same) in zip(*effect_prices._settled(1), strict=True):

@@ -104,7 +104,7 @@ def test_every_argument_of_every_function_is_walked_through():
 
 @each_number
 def test_what_is_out_of_its_domain(function, name):
-    """A scalar is named, but nan and inf give nan; so do elements, and those beside keep theirs."""
+    """A scalar is refused by name; nan, inf and elements give nan, and those beside keep theirs."""
     kind = name.rpartition(".")[2]
     bad = BAD.get(kind, []) + BAD.get(f"{function} {kind}", [])
     odd = [np.nan, -np.inf, *[np.inf] * (kind not in ("friction", "mass"))]
@@ -150,7 +150,7 @@ OTHER_LAWS = [
 
 @pytest.mark.parametrize(("function", "law"), [*((f, {}) for f in SENSIBLE), *OTHER_LAWS])
 def test_no_warning_ever(function, law):
-    """Everything that floats can hold, in all arguments at once; these are not written to."""
+    """All that floats can hold, in all arguments at once, gives no warning and stays as it is."""
     rng = default_rng(1)
     given = {name: rng.choice(ODD, 20_000) for name in numbers_of(function)}
     for values in given.values():
@@ -175,7 +175,7 @@ def test_shapes_broadcast_and_scalars_stay_scalars(function):
 
 @each_function
 def test_dtypes(function):
-    """Single precision where all arguments have it, but for Python's and float64 numbers."""
+    """Results are single where all arguments are, but for Python's and float64 numbers."""
     first, *_ = numbers_of(function)
     single = {name: np.full(2, x, np.float32) for name, x in numbers_of(function).items()}
     for changed, dtype in (
@@ -209,7 +209,7 @@ def test_a_sphere_is_one_in_the_precision_of_the_result(size):
     "function", [f for f in SENSIBLE if "geometry" in SENSIBLE[f] and f != "collide"]
 )
 def test_units_of_length_cancel(function):
-    """Bit for bit; spins have one, which `test_collision` has."""
+    """They cancel bit for bit; spins have one, which `test_collision` has."""
     for unit in (2.0**-900, 2.0**900):
         scaled = computed(function, geometry=ROD._make(unit * length for length in ROD))
         assert scaled == computed(function)
@@ -245,7 +245,7 @@ def test_memory_in_flight_is_bounded():
 
 
 def test_results_are_told_in_a_line_and_shown_as_a_table():
-    """Without the types of NumPy; a long array by its ends."""
+    """A line names no types of NumPy, and shows a long array by its ends."""
     drift = call("drift")
     assert repr(drift).startswith(f"Drift(c_x={drift.c_x:.6g}, c_z={drift.c_z:.6g}, regime=<Regime")
     several = call("collide", c_x=np.linspace(0, 1, 200))

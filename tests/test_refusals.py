@@ -75,14 +75,14 @@ def fill():
 
 
 def contents(folder):
-    """Of all files but those that SQLite reads with."""
+    """Contents of all files but those that SQLite reads with."""
     mine = (path for path in folder.rglob("*") if "db-" not in path.name)
     return {path: path.read_bytes() if path.is_file() else None for path in mine}
 
 
 @pytest.mark.parametrize(("command", "words"), REFUSALS.items(), ids=REFUSALS)
 def test_nonsense_is_refused_in_one_line(folder, capsys, command, words):
-    """It names command, option or key, value and domain; exit code 2, and no file is changed."""
+    """The line names command, option or key, value, domain; exit code 2; no file is changed."""
     package, *rest = command.split()
     name = " ".join([package, *rest[:1]])
     before = contents(folder)
@@ -101,7 +101,7 @@ def test_a_sweep_that_is_none_is_refused_in_one_line(capsys, sweep, words):
 
 @pytest.mark.parametrize(("call", "words"), CALLS.items(), ids=CALLS)
 def test_nonsense_is_refused_in_python(folder, call, words):
-    """As it is by commands, and no file is changed either."""
+    """Calls refuse as commands do, and no file is changed either."""
     before = contents(folder)
     with pytest.raises((AttributeError, TypeError, ValueError)) as caught:
         eval(call)
@@ -110,7 +110,7 @@ def test_nonsense_is_refused_in_python(folder, call, words):
 
 
 def test_what_a_command_wrote_it_may_replace(folder):
-    """A table, of no runs as well; behind a link, the file itself."""
+    """It may replace a table, of no runs as well, and the file behind a link."""
     Store("none.db").database.close()
     Path("to").symlink_to("b.csv")
     for _ in range(2):

@@ -144,7 +144,7 @@ def test_sentences_for_a_terminal():
 
 @each_entry
 def test_formulas_in_sentences_are_marked(entry, lines):
-    """Between dollar signs; outside of them there is neither an index nor LaTeX."""
+    """Formulas stand between dollar signs; outside there is neither an index nor LaTeX."""
     for text in (entry.what, told(entry), *(line.text for line in lines.get(entry.tag, ()))):
         words = "".join(text.split("$")[::2])
         assert not re.search(r"\w_\w|\^|\\|\b(mu|phi|epsilon|omega)\b", words)
@@ -184,7 +184,7 @@ def read_line(tex, letters):
 
 
 def test_a_solved_equation_is_shown_as_it_is():
-    """Or its numerator; up to a factor without the unknown: the same at any two values of it."""
+    """It or its numerator is shown, up to a factor: the same at any two values of the unknown."""
     taken = texts._steps([step for entry in EQUATIONS for step in entry.steps], set())
     shown = 0
     for step in dict.fromkeys(step for step, _ in taken if step.kind == "solved"):
@@ -255,7 +255,7 @@ def test_a_path_turns_where_the_slip_stops(regime):
 
 @pytest.mark.parametrize("regime", drawings.IMPACTS)
 def test_a_path_ends_where_the_impact_does_under_each_law(regime):
-    """As it is drawn, between edges with their labels, below the tilt that it has."""
+    """It does as it is drawn, between edges with their labels, below the tilt that it has."""
     tilt, slip = drawings.IMPACTS[regime]
     plane, *_ = drawings.impulses(regime).axes
     lines = {line.get_label(): np.transpose(line.get_data()) for line in plane.lines}
@@ -324,7 +324,7 @@ def test_colours_of_a_caption_are_those_of_the_lines():
 
 @each_equation
 def test_no_fraction_stands_in_a_fraction(entry):
-    """Nor a power with a minus sign."""
+    """Forms have no fraction in a fraction, nor a power with a minus sign."""
     for _, form in report.forms(entry):
         for tex in map(typeset.latex, components(form)):
             assert not ElementTree.fromstring(typeset.mathml(tex)).findall(".//mfrac//mfrac")
@@ -332,7 +332,7 @@ def test_no_fraction_stands_in_a_fraction(entry):
 
 
 def test_steps_lead_to_the_entry(page, lines):
-    """What was put in, what was solved, and links to the entries on the way."""
+    """Steps show what was put in, what was solved, and link to the entries on the way."""
     parting = next(line for line in lines["8"] if "parts at" in line.text)
     assert parting.formulas[0][-1].endswith(r"= -\epsilon v_{0}")
     assert ("8", "9") in {line.tags for line in lines["12"]}

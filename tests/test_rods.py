@@ -14,7 +14,7 @@ SCRIPT = "from figures.rods import main; main()"
 
 
 def test_each_command_has_the_same_name_under_rods(monkeypatch):
-    """In the place of the process; one of them seen doing so."""
+    """Each command takes the place of the process; one of them is seen doing so."""
     run = Mock(side_effect=SystemExit)
     monkeypatch.setattr(os, "execv", run)
     for name in COMMANDS:
@@ -34,7 +34,7 @@ def test_each_command_has_the_same_name_under_rods(monkeypatch):
     [("md", "numba"), ("derivations", "sympy"), ("figures", "click"), ("impact", "click")],
 )
 def test_what_is_not_installed_costs_one_line(tmp_path, package, module):
-    """It names the extra that holds it."""
+    """The line names the extra that holds what is missing."""
     missing = f"raise ModuleNotFoundError('No module named {module}', name={module!r})\n"
     (tmp_path / f"{module}.py").write_text(missing)
     done = python("-m", package, "--version", PYTHONPATH=str(tmp_path))

@@ -17,7 +17,7 @@ DRIVEN = row("plate.acceleration=5")
 
 
 def test_one_start_that_fails_ends_all(monkeypatch):
-    """At once: the others do not go on to the first look."""
+    """The others end at once: they do not go on to the first look."""
     usual, made = Run.march, []
 
     def failing(running, _, stop):
@@ -33,7 +33,7 @@ def test_one_start_that_fails_ends_all(monkeypatch):
 
 
 def test_what_an_interrupted_run_does_not_know_is_not_told(monkeypatch):
-    """After a few periods, of which no error is known: nor how long it would have taken."""
+    """After few periods neither the error is told nor how long it would have taken."""
     usual = accuracy._together
 
     def few(runs, _, stop):
@@ -50,7 +50,7 @@ def test_what_an_interrupted_run_does_not_know_is_not_told(monkeypatch):
 
 
 def test_a_limit_of_time_holds(monkeypatch):
-    """However far it is to the look after the first one, which is made in any case."""
+    """It holds however far the second look is; the first one is made in any case."""
     monkeypatch.setattr(accuracy, "GROWTH", (300, 300))
     result = md.run(DRIVEN, tolerance=0.02, max_seconds=1)
     first = 2 * accuracy.FIRST_LOOK

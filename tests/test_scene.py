@@ -14,7 +14,7 @@ EXAMPLES = sorted(path.stem for path in SCENES.glob("*.toml"))
 
 
 def test_a_scene_may_begin_with_a_byte_order_mark(tmp_path):
-    """As editors on Windows write it."""
+    """The mark, which editors on Windows write, is left out."""
     path = tmp_path / "mine.toml"
     path.write_text((SCENES / "my_rods.toml").read_text(), encoding="utf-8-sig")
     assert load(path) == load("my_rods")

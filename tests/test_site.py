@@ -57,7 +57,7 @@ def test_cheap_notebooks_run(name, tmp_path, monkeypatch):
 
 
 def test_a_notebook_shows_a_picture_once(monkeypatch):
-    """As the value of the cell: an open figure would be shown again at its end."""
+    """It is the value of the cell: an open figure would be shown again at its end."""
     fig11 = figures.load("fig11")
     d = fig11.data(quick=True)
     assert plt.fignum_exists(fig11.draw(d).number)
@@ -68,7 +68,7 @@ def test_a_notebook_shows_a_picture_once(monkeypatch):
 
 
 def test_a_notebook_shows_a_scene_and_a_sweep_as_the_command_prints_them():
-    """In one line as the value of a name, in several as a text."""
+    """They are one line as the value of a name, several as a text."""
     scene = md.load("annulus")
     assert repr(scene).startswith("<Scene: rods 44 of 5.08 by 0.635 cm, between cylinders")
     sweep = md.sweep.expand({"scene": "single_rod", "axes": [{"start.seed": [1, 2]}]})

@@ -29,7 +29,7 @@ def edited(monkeypatch):
 
 @pytest.mark.parametrize(("old", "new", "same"), EDITS["edits"])
 def test_only_formulas_and_constants_make_what_is_stored_stale(edited, old, new, same):
-    """Words, hints and comments do not."""
+    """Formulas and constants do; words, hints and comments do not."""
     source = EDITS["module"]
     assert old in source
     before, after = edited("laws", source), edited("laws", source.replace(old, new))

@@ -25,10 +25,10 @@ def exact_error(n, memory):
 @pytest.mark.parametrize("memory", [0.0, 0.5, 0.9, -0.5])
 @pytest.mark.parametrize("n", [100, 320, 3000])
 def test_scatter_of_means_over_their_errors(memory, n):
-    """Rms of 400 means of autoregressive series over the rms of their errors.
+    """Means of 400 autoregressive series scatter as their errors say, in the rms.
 
-    One to the scatter of both, 4/sqrt(2 400) each, and what a fitted memory lacks: a coefficient a
-    comes out low by (1 + 3a)/n (Kendall), which takes (1 + 3a)/(1 - a)/n of 1/(1 - a).
+    The ratio is one to the scatter of both, 4/sqrt(2 400) each, and what a fitted memory lacks:
+    a coefficient a is low by (1 + 3a)/n (Kendall), which takes (1 + 3a)/(1 - a)/n of 1/(1 - a).
     """
     random = default_rng(n)
     series = [autoregressive(random, n, memory) for _ in range(400)]
@@ -48,7 +48,7 @@ def test_a_second_memory_is_seen():
 
 
 def test_standard_error_does_not_depend_on_units():
-    """Shifted by a thousand, scaled by a power of two: to rounding."""
+    """A shift by a thousand and a scale of a power of two leave it as it is, to rounding."""
     x = autoregressive(default_rng(1), 1000, 0.8)
     assert standard_error(1024 * x) == 1024 * standard_error(x)
     assert standard_error(x + 1000) == pytest.approx(standard_error(x), rel=1e-9)
@@ -57,18 +57,18 @@ def test_standard_error_does_not_depend_on_units():
 @pytest.mark.parametrize("n", [100, 107])
 @pytest.mark.parametrize("value", [0.0, 0.1, -3e8])
 def test_a_constant_has_no_error(n, value):
-    """Up to the rounding of its mean."""
+    """Its error is zero up to the rounding of its mean."""
     assert standard_error(np.full(n, value)) <= 4e-16 * abs(value)
 
 
 def test_what_repeats_has_next_to_none():
-    """A sine, which its two last values predict."""
+    """A sine, which its two last values predict, has next to no error."""
     assert standard_error(np.sin(np.arange(300))) < 0.1 * np.sqrt(0.5 / 300)
 
 
 @pytest.mark.parametrize("series", [[], [1.0], np.arange(99.0), [np.nan] * 200, [np.inf] * 200])
 def test_no_error_without_enough_finite_values(series):
-    """nan, and no warning."""
+    """The error is nan, without a warning."""
     assert np.isnan(standard_error(np.array(series)))
 
 
@@ -89,7 +89,7 @@ def test_ratio_of_sums():
 @pytest.mark.parametrize("n", [320, 2000])
 @pytest.mark.parametrize(("memory", "alarms"), [(0.0, 0.02), (0.5, 0.02), (0.9, 0.06)])
 def test_stationary_series_have_no_trend(memory, alarms, n):
-    """Of 400: as many false alarms as `trend` says, and two standard deviations of so many."""
+    """Of 400 series as many alarm as `trend` says, to two standard deviations of so many."""
     random = default_rng(n)
     series = [autoregressive(random, n, memory) for _ in range(400)]
     found = np.mean([trend(one) > TREND for one in series])
@@ -100,7 +100,7 @@ def test_stationary_series_have_no_trend(memory, alarms, n):
 
 @pytest.mark.parametrize("memory", [0.0, 0.9])
 def test_a_transient_is_left_out(memory):
-    """An exponential one with a decay time of a fifth: what is left of it is below the error."""
+    """Of an exponential one with a decay time of a fifth less is left than the error."""
     random, n, left = default_rng(7), 3000, []
     error = exact_error(n // 2, memory)
     transients = 60 * error * np.exp(-np.arange(n) / (n / 10))
@@ -137,13 +137,13 @@ def test_too_few_values_have_no_trend():
     ],
 )
 def test_a_rate_that_grows_or_dies_is_not_steady(rates, expected):
-    """Also from nothing, where its error is as large as itself and `trend` sees none."""
+    """A rate may grow from nothing, with an error as large as itself, which `trend` misses."""
     random = default_rng(1)
     counts = np.concatenate([random.poisson(rate / 40, 40) for rate in rates])
     assert steady(counts) == expected
 
 
 def test_steady_events_are_hardly_ever_taken_for_others():
-    """Of 1000 series: one in 70 by the order of blocks, one in 100 by the trend."""
+    """Of 1000 series one in 70 is, by the order of blocks, and one in 100 by the trend."""
     counts = default_rng(2).poisson(0.5, (1000, 320))
     assert np.mean([steady(one) for one in counts]) > 0.95

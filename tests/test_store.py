@@ -106,7 +106,7 @@ def read_only():
 
 
 def test_a_store_in_a_read_only_folder_is_read(capsys):
-    """And not written, which is said in one line."""
+    """It is read and not written, which is said in one line."""
     with read_only() as folder:
         with pytest.raises(PermissionError):
             (folder / "new").touch()

@@ -28,7 +28,7 @@ DRIVEN = row("plate.acceleration=5")
 @pytest.mark.parametrize("scene", ["quasi2d", "my_rods", "annulus"])
 @pytest.mark.parametrize("tolerance", [0.5, 0.03, 0.001])
 def test_the_step_is_a_part_of_a_contact(scene, tolerance):
-    """So many a contact, whatever the scene; more below the allowance, where bias is measured."""
+    """A contact has as many in any scene, and more below the allowance, where bias is measured."""
     chosen, doubled = stepped(md.load(scene), tolerance)
     n = STEPS_PER_CONTACT * max(1, ALLOWANCE / tolerance)
     assert steps_per_contact(chosen, chosen.step.size) == pytest.approx(n)
@@ -38,7 +38,7 @@ def test_the_step_is_a_part_of_a_contact(scene, tolerance):
 @pytest.mark.parametrize("change", ["start.drop=20", "start.speed=50"])
 @pytest.mark.parametrize("measure_bias", [False, True])
 def test_a_fall_at_the_start_takes_no_step_that_is_not_stable(change, measure_bias, monkeypatch):
-    """Of the stable ones, which are shorter than the rule's, the longest; twice it is stable."""
+    """The longest stable step is taken, shorter than the rule's; if doubled, twice it is stable."""
     monkeypatch.setattr(accuracy, "STEPS_PER_CONTACT", 4)
     chosen, _ = stepped(md.load("quasi2d", [change]), 0.3, measure_bias=measure_bias)
     assert steps_per_contact(chosen, chosen.step.size) > 4
@@ -62,7 +62,7 @@ def test_the_bias_of_a_law_of_ones_own_is_measured():
 
 
 def interval(*runs, periods=None, **how):
-    """Of the drift that runs have measured, as a run to a tolerance finds it."""
+    """Interval of the drift that runs have measured, as a run to a tolerance finds it."""
     cut = [accuracy.History(r.c_x_series[:periods], r.fell_series[:periods]) for r in runs]
     return accuracy.interval(cut, **how)
 
@@ -86,7 +86,7 @@ def test_a_run_ends_as_soon_as_it_is_accurate():
 
 
 def test_the_bias_is_measured_by_steps_twice_as_long():
-    """Both side by side; what the longer step changes is taken off by two thirds, and is an error.
+    """Two thirds of what a step twice as long changes are taken off, and a third is an error.
 
     Bias of first order is all of the change, of second order a third.
     """
@@ -114,7 +114,7 @@ def test_a_measured_bias_holds_the_true_drift(order):
 
 
 def test_slow_drifts_are_judged_by_the_floor():
-    """Hardly any friction, hardly any drift: its error is one of the floor."""
+    """With hardly any friction there is hardly any drift, and its error is one of the floor."""
     result = md.run(row("contacts.plate.friction=0.001"), tolerance=0.5, floor=0.2)
     assert result.accuracy.state == "reached"
     assert abs(result.c_x) < 0.2
@@ -126,7 +126,7 @@ SMALL = sets(*ROW, "plate.acceleration=5")
 
 
 def test_the_command_has_two_ends(capsys, monkeypatch):
-    """Reached: 0; not reached, or not settled: 4."""
+    """The exit code is 0 if the tolerance is reached, 4 if not, or if nothing settled."""
     how = ["--tolerance", "0.3", "--floor", "0.05"]
     assert main(["run", "quasi2d", *SMALL, *how, "--json"]) == 0
     found = json.loads(capsys.readouterr().out)["accuracy"]
@@ -153,7 +153,7 @@ LIVELY = """
 
 
 def test_rods_that_fall_over_ever_more_often_have_not_settled():
-    """Of two starts that agree as well; when the rate is steady, a warning says what is unseen."""
+    """Two starts that agree have not either; at a steady rate a warning says what is unseen."""
     scene = md.load("quasi2d", LIVELY.split())
     early = md.run(scene, tolerance=0.5, max_seconds=1e-3)
     assert early.accuracy.fell > 100
@@ -169,7 +169,7 @@ def test_rods_that_fall_over_ever_more_often_have_not_settled():
 
 @pytest.mark.parametrize(("slope", "periods"), [(0, 124), (0, 123), (1, 200)])
 def test_a_run_says_whether_its_drift_trends(slope, periods):
-    """Without a tolerance: behind a fifth, if there are 100 periods; in JSON and in a line."""
+    """Without a tolerance it does, behind a fifth, if there are 100 periods; in JSON and a line."""
     noise = 0.01 * default_rng(9).normal(size=periods)
     result = md.run(row(), periods=2)
     series = noise + slope * np.linspace(0, 1, periods)
@@ -182,7 +182,7 @@ def test_a_run_says_whether_its_drift_trends(slope, periods):
 
 @pytest.mark.slow
 def test_an_annulus_is_seen_to_settle():
-    """The one that ships: 600 periods trend behind a fifth, and not behind what is left out.
+    """Of the one that ships 600 periods trend behind a fifth, and not behind what is left out.
 
     Two starts agree within their intervals.
     """
@@ -199,7 +199,7 @@ def test_an_annulus_is_seen_to_settle():
 
 
 def test_a_sweep_takes_a_tolerance(tmp_path):
-    """Each point has a length of its own; what was not reached is a failure that says so."""
+    """Each point has a length of its own; one that is not reached is a failure that says so."""
     store = tmp_path / "a.db"
     base = put(read_tables("quasi2d"), dict(map(_parsed, ROW)))
     tables = {"tolerance": 0.4, "max_seconds": 30, "axes": [{"plate.acceleration": [4, 5]}]}

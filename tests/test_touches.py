@@ -21,7 +21,7 @@ LIVELY = "plate.acceleration=5"
 
 
 def test_touches_are_those_that_every_step_shows():
-    """One rod, step by step: the plate pushes where the velocity gains on free fall.
+    """The record of one rod is what its steps show: the plate pushes where it gains on free fall.
 
     Touch, duration, cap, velocities before and after, approach and departure, from the states.
     """
@@ -65,7 +65,7 @@ def test_touches_are_those_that_every_step_shows():
 
 @pytest.mark.parametrize("lean", [0, 1e-9, -1e-9, 0.1, -0.1])
 def test_a_touch_is_seen_in_the_plane_of_the_rod(lean):
-    """x leads around the annulus, for an upright rod as for one that leans either way."""
+    """Its x leads around the annulus, for an upright rod as for one that leans either way."""
     engine, up = prepare(ring(LIVELY, "start.speed=0")), np.cos(lean)
     engine.rods[:, 2] += 20  # all but one are out of the way
     engine.rods[0] = 1.9, 0, engine.plate_height + 2.1, 0, np.sin(lean), up, 0.1, 0.3, -1, 0, 0, 0
@@ -79,7 +79,7 @@ def test_a_touch_is_seen_in_the_plane_of_the_rod(lean):
 
 
 def test_touches_tell_who_gave_the_momentum():
-    """Free touches: the plate alone; between touches: neighbours alone; in pushed ones: both.
+    """The plate alone gives it in free touches, neighbours between touches, both in pushed ones.
 
     The kernel leaves the accelerations of its last step and the forces of the plate in it. Sums of
     them over the steps begin with 0, before the first one.
@@ -155,7 +155,7 @@ def test_short_hops_belong_to_the_landing_before():
 
 @pytest.mark.parametrize("cuts", [[], [1], [3, 4], list(range(1, 60))])
 def test_how_the_touches_come_in_does_not_matter(cuts):
-    """Same landings, in the same order, whatever is handed over at once."""
+    """Landings and their order are the same whatever is handed over at once."""
     random = default_rng(2)
     flights = [random.choice([2, 10, 30, 60], 20) for _ in range(3)]
     rows = in_order([touches(rod, np.cumsum(5 + one), one) for rod, one in enumerate(flights)])

@@ -48,7 +48,7 @@ def base(key):
 
 @pytest.mark.parametrize("key", SAME)
 def test_a_scene_in_cm_is_the_scene(key):
-    """And back. Bit for bit where only the diameter counts, and that is a power of two."""
+    """It is, and back; bit for bit where only the diameter counts, a power of two."""
     assert set(SAME) == set(TWINS)
     given, own, value = SAME[key]
     found, same = (from_tables(put(base(key), {k: v})) for k, v in ((key, given), (own, value)))
@@ -62,7 +62,7 @@ def test_a_scene_in_cm_is_the_scene(key):
 
 
 def test_what_comes_later_takes_the_place():
-    """Of what said the same in the file, either way round; the tables stay as they were."""
+    """It does so of what said the same in the file, either way round; tables stay as they were."""
     cm = {"rods.diameter_cm": 0.635, "rods.length_cm": 5.08, "box.length_cm": 2.54}
     found = from_tables(put(TABLES, cm))
     assert found == from_tables(put(TABLES, {"rods.diameter_cm": 0.635}))  # 5.08/0.635 is 8
@@ -76,7 +76,7 @@ def test_what_comes_later_takes_the_place():
 
 
 def test_a_sweep_along_an_amplitude(tmp_path, capsys):
-    """Its values are in cm, its points those of the accelerations; results come in either unit."""
+    """The axis is in cm, its points are those of the accelerations; results have either unit."""
     store, axes = tmp_path / "a.db", [{"plate.amplitude_cm": [0.02, 0.03]}, {"start.seed": [1, 2]}]
     sweep = expand({"periods": 124, "axes": axes}, TABLES)
     execute(sweep, store, workers=1)
@@ -95,7 +95,7 @@ def test_a_sweep_along_an_amplitude(tmp_path, capsys):
 
 
 def test_what_a_run_prints_in_cm(tmp_path, capsys):
-    """Rods, plate, drift and time; in JSON what one unit is, and what was run."""
+    """It prints rods, plate, drift and time; JSON says what one unit is, and what was run."""
     soft = (f"contacts.{part}.stiffness=1e4" for part in ("plate", "rods"))
     given = sets("rods.count=3", "box.length_cm=2", *soft)
     command = ["run", "my_rods", *given, "--periods", "124"]

@@ -33,7 +33,7 @@ COMMANDS = {
 
 
 def test_the_version_stands_in_one_place_and_others_agree():
-    """In `pyproject.toml`; citations and the newest heading of the change log repeat it."""
+    """It stands in `pyproject.toml`; citations and the change log's newest heading repeat it."""
     site = (DOCS / "installation.md").read_text("utf-8")
     assert f"version = {{{VERSION}}}" in site
     citation = (ROOT / "CITATION.cff").read_text("utf-8")

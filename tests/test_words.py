@@ -49,7 +49,7 @@ def defaults(function):
 
 
 def test_numbers_of_the_paper_are_those_of_the_simulations():
-    """Past the seal: the same numbers, typed there as well."""
+    """Numbers of the paper, past the seal, are those that are typed in the simulations."""
     law, drawn = defaults(md.appendix_a), defaults(fig11.data)
     for tag, name in (
         ("A: unit of k_n", "stiffness"),
@@ -83,7 +83,7 @@ def test_whatever_is_typed_is_sealed(name, old, new, tmp_path, monkeypatch):
 
 
 def test_words_that_are_not_so_are_no_proof():
-    """Nor do they stop the others."""
+    """Words that are not so prove nothing, and do not stop the other proofs."""
     entry = replace(BY_TAG["23"], note=lambda: lecture.so("never positive", [sp.S.One]))
     proof = entry.prove()
     assert not proof.ok
