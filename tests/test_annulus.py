@@ -61,19 +61,27 @@ def axial(rods):
     return np.abs((rods[:, DIRECTOR:VELOCITY] * rods[:, TURN:]).sum(axis=1)).max()
 
 
+def radii(rods):
+    """Distances of the ends and the middle of each rod, of length 4, from the axis."""
+    places = [rods[:, :2] + s * rods[:, 3:5] * 1.5 for s in (-1, 0, 1)]
+    return np.hypot(*np.concatenate(places).T)
+
+
 def test_m10_rods_bounce_and_keep_to_a_gap_barely_wider_than_they_are():
     """Rods stay upright; none turns about its axis but those that may roll and rub on walls."""
     narrow = "annulus.outer=3.0", "annulus.inner=1.99", "rods.count=4", "plate.acceleration=4"
     result = md.run(ring(*narrow), periods=5)
     rods = result.rods
     assert result.touches["per_rod_and_period"]["mean"] > 0.1
-    ends = [rods[:, :2] + s * rods[:, 3:5] * 1.5 for s in (-1, 0, 1)]
-    rho = np.hypot(*np.concatenate(ends).T)
-    assert np.abs(rho - 2.495).max() < 0.02
+    assert np.abs(radii(rods) - 2.495).max() < 0.02
     assert result.tilt_deg < 10
     assert_allclose(np.linalg.norm(rods[:, DIRECTOR:VELOCITY], axis=1), 1, atol=1e-12)
     assert axial(rods) < 1e-12
-    assert axial(md.run(ring(*ROLLING, "plate.acceleration=5"), periods=6).rods) > 1e-6
+    wide = md.run(ring(*ROLLING, "plate.acceleration=5"), periods=6)
+    assert axial(wide.rods) > 1e-6
+    gap, rho = wide.scene.annulus, radii(wide.rods)
+    assert rho.min() > gap.inner + 0.5 - 0.05
+    assert rho.max() < gap.outer - 0.5 + 0.05
 
 
 def test_a_cap_that_friction_holds_does_not_slip_as_its_rod_rolls():
