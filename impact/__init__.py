@@ -25,7 +25,7 @@ geometry                            where the centre of mass stands over the con
 _impacts, _twofold, _select         regimes, arguments of impacts; twice the digits; `select`
 collision                           the impact map: `collide`, `classify`
 pairs                               two bodies of any masses that meet: `collide_pair`
-boundaries, translation             boundaries of the regimes; the drift, its stability and cost
+boundaries, translation             boundaries of the regimes; the drift, its stability, the best tilt
 compiled                            the map as Numba kernels, the same bits
 flight, bouncing                    exact flights over the plate, and a rod that makes them
 early_signals                       signals during imports
@@ -65,7 +65,6 @@ from .translation import (
     mean_plate_velocity,
     optimal_tilt,
     relaxation,
-    transport_cost,
 )
 
 __all__ = [
@@ -93,7 +92,6 @@ __all__ = [
     "slide_friction",
     "spherocylinder",
     "thin_rod",
-    "transport_cost",
 ]
 
 

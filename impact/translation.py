@@ -102,43 +102,6 @@ def drift(
 
 
 @overload
-def transport_cost(
-    geometry: ContactGeometry[float], *, friction: float, restitution: float
-) -> float: ...
-@overload
-def transport_cost(geometry: ContactGeometry, *, friction: Any, restitution: Any) -> Numbers: ...
-def transport_cost(geometry: ContactGeometry, *, friction: Any, restitution: Any) -> Any:
-    """Cost of transport of the stationary drift: work of the plate per weight and distance.
-
-    It is V_z/|c_x| of `drift`, whatever the rod and the plate's velocity: the fastest rod is the
-    cheapest. Not in the paper; derived in `derivations.drift`.
-
-    Parameters
-    ----------
-    geometry : any X, Z, and k > 0
-    friction : Coulomb coefficient, >= 0
-    restitution : between 0 and 1 (kinematic)
-
-    Returns
-    -------
-    Dimensionless; inf where nothing drifts (XZ = 0), 0 in the limit of a vertical rod at
-        restitution 1, nan without friction, where the drift is not determined.
-
-    Raises
-    ------
-    ValueError
-        If a scalar argument is out of its domain.
-
-    Examples
-    --------
-    >>> float(transport_cost((0.1, 0.5, 0.3), friction=0.3, restitution=0.65).round(4))
-    0.3121
-    """
-    with np.errstate(all="ignore"):
-        return 1 / np.abs(drift(geometry, friction=friction, restitution=restitution).c_x)
-
-
-@overload
 def relaxation(
     geometry: ContactGeometry[float], *, friction: float, restitution: float
 ) -> float: ...

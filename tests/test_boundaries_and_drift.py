@@ -85,11 +85,10 @@ def test_drift_repeats_itself(rods, how):
     assert_array_equal(found.regime == Regime.SLIP_STICK, sticks)
     assert not (hit.regime == Regime.SLIDE).any()
     way = np.abs(2 * found.c_x * found.c_z)  # times the acceleration of gravity
-    cost = impact.transport_cost(rods, **how)
-    assert_allclose(0.7 * hit.P_z / cost, way, rtol=128 * EPS)
-    derived = derivations.function("V: cost of transport")
+    cost = derivations.function("V: cost of transport")
     with np.errstate(divide="ignore"):
-        assert_allclose(derived(c_x=np.abs(found.c_x), V_z=0.7), cost, rtol=16 * EPS)
+        cost = cost(c_x=np.abs(found.c_x), V_z=0.7)
+    assert_allclose(0.7 * hit.P_z / cost, way, rtol=128 * EPS)
 
 
 def test_drift_without_friction_is_undetermined():
@@ -187,15 +186,13 @@ def test_relaxation_by_whole_impacts(rods, how):
             assert abs(found - want) <= 8 * EPS * want / apart
 
 
-def test_relaxation_and_cost_at_the_ends():
+def test_relaxation_at_the_ends():
     tilt, friction, restitution = np.transpose(
         [(0, 0.3, 0.65), (0, 0.3, 1), (0, 0, 0.6), (1, 0, 1)]
     )
     rod, how = impact.thin_rod(tilt), {"friction": friction, "restitution": restitution}
     kept = [1 / np.log(4 / 3), np.inf, np.inf, np.inf]
     assert_allclose(impact.relaxation(rod, **how), kept, rtol=4 * EPS)
-    assert_array_equal(impact.transport_cost(rod, **how), [np.inf, 0, np.nan, np.nan])
-    assert impact.transport_cost((0.5, 0.0, 0.3), friction=0.3, restitution=0.65) == np.inf
     e, k = default_rng(10).uniform(0.1, 1, (2, 1000))  # a lying rod forgets at once
     at_once = impact.relaxation((np.sqrt(e) * k, 0.0, k), friction=0.3, restitution=e)
     assert ((at_once >= 0) & (at_once < 0.04)).all()

@@ -126,7 +126,6 @@ numbers = [
     impact.painleve_friction(rod),
     impact.slide_friction(rod, approach_ratio=2, restitution=0.65),
     impact.energy_restitution(rod, 0.3),
-    impact.transport_cost(rod, friction=0.3, restitution=0.65),
     impact.relaxation(rod, friction=0.3, restitution=0.65),
     impact.landing_density(0.1),
 ]
@@ -137,7 +136,6 @@ arrays = [
     impact.painleve_friction(rods),
     impact.slide_friction(rod, approach_ratio=[2], restitution=0.65),
     impact.energy_restitution(rods, 0.3),
-    impact.transport_cost(rod, friction=[0.3], restitution=0.65),
     impact.relaxation(rods, friction=0.3, restitution=0.65),
     impact.landing_density(0.1, fall_speed=[1]),
     impact.mean_plate_velocity(plate_speed=[1]),

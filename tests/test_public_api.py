@@ -34,7 +34,6 @@ SENSIBLE = {
     "energy_restitution": {"geometry": ROD, "friction": 0.3},
     "drift": {**HIT, "plate_velocity": 1.0},
     "relaxation": HIT,
-    "transport_cost": HIT,
     "optimal_tilt": HOW,
     "mean_plate_velocity": {"plate_speed": 1.0},
     "landing_density": {"phase": 1.0, "fall_speed": 1.0},
