@@ -27,7 +27,8 @@ P = sp.Symbol("P", real=True)
 class Axiom:
     """An assumption as a form in letters; calling it with values for them notes its use.
 
-    `lefts` are the left sides there, where values change what the form is: a force for an impulse.
+    A call may have left sides of its own, `lefts`, if the values change what the form is: a force
+    in the place of an impulse.
     """
 
     tag: str
@@ -62,7 +63,10 @@ BY_TAG = {axiom.tag: axiom for axiom in AXIOMS}
 
 
 def _euler_checks(form: sp.Expr) -> Residuals:
-    """From point masses: two equal ones on a light rod, struck at one, which then moves alone."""
+    """Residuals of Euler's law for two equal point masses on a light rod, struck at one of them.
+
+    Struck across the rod, that one moves alone; struck along it, nothing turns.
+    """
     a, b = sp.symbols("a b", real=True)  # half the vector from one to the other
     struck = {lever_x: a, lever_z: b, moment: m * (a**2 + b**2)}  # total mass m
     across = {P_x: b, P_z: -a}  # an impulse across the rod leaves the other mass at rest
@@ -74,7 +78,7 @@ def _euler_checks(form: sp.Expr) -> Residuals:
 
 
 def _rigid_checks(form: sp.Matrix) -> Residuals:
-    """Distances stay, the body starts in its place, and a positive turn takes +z towards +x."""
+    """Residuals of a turn: distances stay, it starts in place, a positive one takes +z to +x."""
     return [
         form.dot(form) - xi**2 - zeta**2,
         *(form.subs(turn, 0) - sp.Matrix([xi, zeta])),
@@ -83,7 +87,7 @@ def _rigid_checks(form: sp.Matrix) -> Residuals:
 
 
 def _assumed(axiom: Axiom, about: str, left: str = "", derive: Any = None, **more: Any) -> Equation:
-    """The entry of an axiom: of its form, unless `derive` gives another one."""
+    """Entry of an axiom, with the axiom's form unless `derive` gives another one."""
     derive = derive or (lambda: axiom({}))
     return Equation(axiom.tag, about, left, derive=derive, verdict="assumed", **more)
 

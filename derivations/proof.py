@@ -2,21 +2,21 @@
 
 Verdicts
 --------
-agrees     the difference of both forms simplifies to zero; what is meant of a printed form where
-           none is given
-erratum    the forms differ: a point where they do, and either the repair, a small change of the
+agrees     the difference of both forms simplifies to zero; the default where there is a printed
+           form that no formula contradicts
+erratum    the forms differ: the proof has a point where they do, and other formulas of the paper
+           whose printed forms give the derived one; and either the repair, a small change of the
            printed LaTeX that gives the derived form, or, for a sentence, the mistake by which its
-           value comes out; and the other formulas of the paper whose printed forms give the
-           derived one
-assumed    an axiom or closure: nothing to derive it from
-new        not in the paper; proved by a second route (expressions that must vanish); what is meant
-           without a printed form where none is given
+           value comes out
+assumed    an axiom or closure: there is nothing to derive it from
+new        not in the paper; proved by a second route (expressions that must vanish); the default
+           without a printed form
 noted      words or a citation of the paper, quoted; nothing is proved of it
 
-A printed form is the paper's LaTeX (module `paper`), read; its left side must be that of the step
-which derives it. Where it is not printed, or no step has it, the entry has one that must be that
-of the other; another one is read itself, and has the derived value. The words of a note are
-computed with its proof.
+A printed form is the paper's LaTeX (module `paper`), read. Its left side must be that of the step
+which derives it. If the paper prints no left side, or no step has one, the entry gives it, and it
+must be that of the step or of the paper. With `where`, the left side itself is read, and must have
+the derived value. The words of a note are computed with the entry's proof.
 """
 
 import re
@@ -34,7 +34,7 @@ from .equality import Form, Residuals, components, equal, is_zero, random_point,
 from .typeset import tidy
 
 Verdict = Literal["", "agrees", "erratum", "assumed", "new", "noted"]
-Words: TypeAlias = str | Callable[[], str]  # those that are computed are computed once, when asked
+Words: TypeAlias = str | Callable[[], str]  # a function is called once, when the words are needed
 
 # A plain impact of the kind the paper treats (u_0 > 0, v_0 < 0), for counter-examples.
 _EXAMPLE = """
@@ -55,7 +55,7 @@ class Proof:
 
 @dataclass(frozen=True, slots=True)
 class Repair:
-    """One change of the printed LaTeX after which a form is right."""
+    """One change that repairs the printed LaTeX of a form."""
 
     old: str  # stands once in the LaTeX
     new: str
@@ -63,24 +63,24 @@ class Repair:
 
     @property
     def what(self) -> str:
-        """What is changed, in words."""
+        """The change in words: its name, or old and new LaTeX."""
         return self.name or f"${self.old}$ to ${self.new}$"
 
     def of(self, tex: str) -> str:
-        """Return the LaTeX with the change made; ValueError if it cannot be."""
+        """Return the LaTeX with the change made; ValueError unless `old` stands in it once."""
         if tex.count(self.old) != 1:
             raise ValueError(f"what the repair changes does not stand once in it: {self.what}")
         return tex.replace(self.old, self.new)
 
     @property
     def size(self) -> int:
-        """Characters that differ: without what both begin and end with."""
+        """Number of characters in which old and new differ."""
         changed = SequenceMatcher(None, self.old, self.new, autojunk=False).get_opcodes()
         return sum(max(b - a, d - c) for kind, a, b, c, d in changed if kind != "equal")
 
 
 def _column(form: Form | tuple[sp.Expr, ...] | None) -> Form | None:
-    """A form; of a tuple the column of its components."""
+    """A form as it is; for a tuple, the column of its components."""
     return sp.Matrix(form) if isinstance(form, tuple) else form
 
 
@@ -91,22 +91,22 @@ class Equation:
     A form that is a column of several values may be given as a tuple of them.
 
     tag : the paper's equation number, or the section and a key word
-    about : what it is about, after the sentence that it judges
+    about : what the equation is about, shown after the sentence that it judges
     left : left-hand side, LaTeX, if it is not both the paper's and that of a step
-    derive : from the axioms
-    where : letters of the left side, which is read
-    verdict : on the printed form; if none is given, "erratum" where other formulas contradict it,
-        else "agrees", "new" without one
+    derive : computes the form from the axioms
+    where : gives values of letters in the left side, which is then read
+    verdict : on the printed form; by default "erratum" if other formulas contradict it, else
+        "agrees", or "new" if there is no printed form
     shown : the derived form, written to be read
-    formulas : of the paper (paper.toml), if not the one of its tag
-    said : what a sentence says, or stands for a formula
-    put : what letters of the printed form stand for
+    formulas : tags of formulas of the paper (paper.toml), if not the entry's own tag
+    said : printed form that a sentence says, in the place of a formula
+    put : gives what letters of the printed form stand for
     note : what is right, where the paper is not
     repair : of an erratum: changes that make the printed form right
-    mistaken : or the printed value, computed as `mistake` says
-    mistake : in words
-    contradicted_by : formulas of the paper that give the derived form
-    contradiction : what they give, of their printed forms
+    mistaken : of an erratum without repair: computes the printed value as `mistake` says
+    mistake : the mistake in words
+    contradicted_by : tags of formulas of the paper that give the derived form
+    contradiction : computes the derived form from the printed forms of these
     at : replaces values of EXAMPLE
     check : second route: zero for a true form
     """
@@ -143,26 +143,26 @@ class Equation:
 
     @property
     def own(self) -> tuple[str, ...]:
-        """Formulas that print its value; none where a sentence says it."""
+        """Tags of formulas that print the entry's value; none if a sentence says it instead."""
         return () if self.tag in paper.SENTENCES else self.formulas
 
     @property
     def lefts(self) -> list[str]:
-        """Left sides of the values, or of several that have one: given, or else the paper's."""
+        """Left side of each value: the one given, which values may share, or else the paper's."""
         if self.left:
             return paper.parts(self.left) or [self.left] * len(components(self.derive()))
         return [paper.left_of(tag) for tag in self.own]
 
     @property
     def what(self) -> str:
-        """What it is about, the paper's own sentence first."""
+        """What the entry is about, after the sentence of the paper that it judges, if any."""
         quoted = paper.SENTENCES.get(self.tag)
         about = _said(self.about)
         return f'"{quoted}": {about}' if quoted else about
 
     @property
     def printed(self) -> Form | None:
-        """The form in our copy of the paper; nothing of what is not in it."""
+        """Form in our copy of the paper; None if the copy has none."""
         if self.said is not None or not self.formulas:
             return _column(self.said() if isinstance(self.said, FunctionType) else self.said)
         return self._meant([paper.printed(tag) for tag in self.formulas])
@@ -175,7 +175,7 @@ class Equation:
 
     @property
     def repairs(self) -> str:
-        """All repairs in words."""
+        """All repairs of the printed form, in words."""
         return "; ".join(repair.what for repair in self.repair)
 
     @property
@@ -189,7 +189,7 @@ class Equation:
     def prove(self) -> Proof:
         """Test the verdict, the left side, and that the form shown has the derived value.
 
-        A derivation, check or note that fails to compute is a proof that failed.
+        If a derivation, a check or a note cannot be computed, the proof has failed.
         """
         try:
             if failed := self._failed():
@@ -203,8 +203,8 @@ class Equation:
             return Proof(ok=False, evidence=f"{type(error).__name__}: {error}", computed=False)
 
     def _failed(self) -> str:
-        """What is wrong with the entry itself; nothing if all is well."""
-        if (self.what + told(self)).count("$") % 2:  # words that are not so end here, too
+        """What is wrong with the entry itself; empty if all is well."""
+        if (self.what + told(self)).count("$") % 2:  # false computed words raise here, too
             return "a formula of the note does not end"
         if not paper.sealed():
             return "paper.toml is not what was compared with our copy of the paper"
@@ -223,7 +223,7 @@ class Equation:
         if self.where is not None:
             letters = self.where()
             read = [paper.value_of(x, letters) for x in lefts]
-            signs = any(x.has(sp.sign) for x in read)  # of what is no number
+            signs = any(x.has(sp.sign) for x in read)  # of a value without a known sign
             if signs or not equal(sp.Matrix(read), self.derive()):
                 return f"the left side has the value {', '.join(map(str, read))}"
         elif self.left:
@@ -240,12 +240,12 @@ class Equation:
         return ""
 
     def _lefts_of_steps(self) -> list[str]:
-        """Left sides that axioms and steps give to the derived values; "" where they give none."""
+        """Left sides that axioms and steps give to the derived values; "" if they give none."""
         form = self.derive()
         values = tuple(form) if isinstance(form, sp.MatrixBase) else (form,)
         named = [pair for step in self.steps for pair in step.values]
         lefts: list[str] = []
-        for value in values:  # of equal values each has its own
+        for value in values:  # equal values get different left sides
             same = [left for left, one in named if one == value]
             free = [left for left in same if left not in lefts]
             lefts += (free or same or [""])[:1]
@@ -279,8 +279,8 @@ class Equation:
     def readable(self) -> Form:
         """Return the derived form as it reads best.
 
-        That is `shown`, or the printed form where both agree, or that of an erratum, repaired; else
-        the derived one, tidied.
+        That is `shown`, or the printed form if both agree, or an erratum's printed form, repaired;
+        else the derived form, tidied.
         """
         if self.shown is not None:
             return self.shown
@@ -303,7 +303,7 @@ class Noted:
     tag : section and key word
     quote : the paper's words
     note : what they do not fit
-    verdict : of all
+    verdict : "noted" for all of these entries
     """
 
     tag: str
@@ -313,11 +313,11 @@ class Noted:
 
     @property
     def what(self) -> str:
-        """The quotation."""
+        """The paper's words in quotation marks."""
         return f'"{self.quote}"'
 
     def prove(self) -> Proof:
-        """Nothing is proved but that the quotation is that of our copy."""
+        """Test that the quotation is that of our copy; nothing else is proved of it."""
         return Proof(ok=paper.sealed(), evidence="quoted, not proved")
 
 
@@ -327,7 +327,7 @@ def _said(words: Words) -> str:
 
 
 def told(entry: Any) -> str:
-    """The note of an entry."""
+    """Text of an entry's note, computed if it has to be."""
     return _said(entry.note)
 
 

@@ -1,8 +1,8 @@
-"""The steps on the way to an entry, as sentences and equations for a reader.
+"""Steps of an entry's derivation, as sentences and equations for a reader.
 
-A step is an axiom put to use, a value derived (a link, where it is an entry of its own), an
-equation solved, or a line that a derivation says. Each has a sentence, and an equation with a left
-side where it is short enough to be read. What one entry has shown, the next ones cite.
+A step is an axiom put to use, a derived value (a link, if it is an entry of its own), a solved
+equation, or a line that a derivation says. Each has a sentence, and an equation with a left side
+if that is short enough to be read. A step that one entry has shown is cited by the next ones.
 """
 
 import inspect
@@ -18,8 +18,8 @@ from .proof import Equation
 from .trace import Step
 from .typeset import latex, pieces, tidy
 
-LONGEST = 1600  # characters of LaTeX; a longer value is told in words alone
-MOST = 220  # operations; a form with more is not tidied, which would take long
+LONGEST = 1600  # characters of LaTeX; longer formulas are left out, and words alone are shown
+MOST = 220  # operations; a form with more is left out, as it would take long to tidy
 _CASES = {
     "stick": "slip-stick",
     "back": "slip reversal",
@@ -31,7 +31,7 @@ _CASES = {
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """One step as it is shown."""
+    """One step as it is shown: a sentence, formulas, and tags of entries to link to."""
 
     text: str  # sentence with formulas between dollar signs
     formulas: tuple[tuple[str, ...], ...] = ()  # LaTeX, each in pieces that a line may break after
@@ -43,7 +43,7 @@ def _short(expr: Any) -> bool:
 
 
 def _equations(values: list[tuple[str, Any]]) -> tuple[tuple[str, ...], ...]:
-    """LaTeX of each value with its left side; nothing if it is too long to be read."""
+    """LaTeX of each value with its left side; empty if they are too long to be read."""
     if not all(_short(value) for _, value in values):
         return ()
     found = []
@@ -54,12 +54,12 @@ def _equations(values: list[tuple[str, Any]]) -> tuple[tuple[str, ...], ...]:
 
 
 def _readable(formulas: list[tuple[str, ...]]) -> tuple[tuple[str, ...], ...]:
-    """Formulas in pieces; nothing if they are too long together."""
+    """Formulas in pieces, as given; empty if they are longer than `LONGEST` together."""
     return tuple(formulas) if sum(map(len, chain(*formulas))) <= LONGEST else ()
 
 
 def _solved(step: Step) -> Line:
-    """An equation that was solved: both sides, or its numerator where it is to vanish."""
+    """Line of a solved equation: both sides; of a form that must vanish, its numerator."""
     sentence = step.what or "Solved for " + ", ".join(f"${latex(x)}$" for x in step.given)
     formulas = []
     for left, right in step.value:
@@ -73,8 +73,8 @@ def _solved(step: Step) -> Line:
 
 
 def _numerator(form: sp.Expr, unknowns: tuple[sp.Symbol, ...]) -> sp.Expr:
-    """Numerator of a form that vanishes, without the factors that no unknown stands in."""
-    # not by factoring, which now and then takes minutes for so many letters
+    """Numerator of a form that vanishes, without factors that are free of the unknowns."""
+    # factoring is avoided: it sometimes takes minutes for so many letters
     left = sp.Poly(sp.numer(sp.cancel(form)), *unknowns).primitive()[1]
     terms = [(tidy(c) if c.count_ops() < MOST // 4 else c, powers) for powers, c in left.terms()]
     return sp.Add(
@@ -83,7 +83,7 @@ def _numerator(form: sp.Expr, unknowns: tuple[sp.Symbol, ...]) -> sp.Expr:
 
 
 def _put_in(step: Step) -> str:
-    """The step's arguments, as far as they say something."""
+    """Words for the arguments of a step: its cases, and what is put in for impulses such as P_x."""
     names = inspect.signature(trace.STEPS[step.name]).parameters
     told, put_in = [], []
     for name, value in zip(names, step.given, strict=False):
@@ -98,11 +98,11 @@ def _put_in(step: Step) -> str:
 
 
 class Reader:
-    """Lines of entries in the order in which they are read: what was shown is cited later."""
+    """Lines of entries, in reading order; a step that one entry has shown is cited by the next."""
 
     def __init__(self, entries: list[Equation]):
-        self.shown: dict[tuple, tuple] = {}  # name and case of a step: where first, its arguments
-        self.own: dict[tuple, list[str]] = {}  # name and arguments: the entries of its values
+        self.shown: dict[tuple, tuple] = {}  # name and cases of a step: first entry, arguments
+        self.own: dict[tuple, list[str]] = {}  # name, arguments of a step: entries of its values
         for entry in entries:
             form = set(components(entry.derive()))
             for step in entry.steps:
@@ -111,14 +111,14 @@ class Reader:
                     self.own.setdefault((step.name, step.given), []).append(entry.tag)
 
     def lines(self, entry: Equation) -> list[Line]:
-        """The steps of an entry's derivation, in their order; none of an assumption."""
+        """Lines of the steps of an entry's derivation, in their order; an assumption has none."""
         if entry.verdict == "assumed":
             return []
         found = [line for step in entry.steps for line in self._lines(step, entry)]
         return list(dict.fromkeys(found))
 
     def _lines(self, step: Step, entry: Equation) -> list[Line]:
-        """The lines of one step, those on the way to it first if nothing has shown them."""
+        """Lines of one step, after those of its inner steps that no entry has shown yet."""
         if step.kind == "part":
             return []
         if step.kind == "axiom":
@@ -139,6 +139,6 @@ class Reader:
             return [Line(sentence, (), (cited,))]
         inner = step.inner if fresh else [x for x in step.inner if x.kind in ("said", "solved")]
         before = [line for x in inner for line in self._lines(x, entry)]
-        if entry.tag in own and len(step.values) == 1:  # the result, shown as such
+        if entry.tag in own and len(step.values) == 1:  # the entry shows it as its result
             return [*before, Line(sentence)]
         return [*before, Line(sentence, _equations(step.values), () if fresh else (cited,))]

@@ -1,8 +1,8 @@
 """The paper's letters, with the sign of each where it is known.
 
-Lengths and speeds stay general reals, so that whatever is proved holds for both signs; only what
-is positive by its meaning (mass, gyration radius, length, time scales) is declared positive.
-`NAMED` holds them by the names that they bear in print: "l" is `length`, "I" is `moment`.
+Coordinates and velocities are general reals, so that whatever is proved holds for both signs. Only
+what is positive by its meaning (mass, gyration radius, length, V_0) is declared positive. `NAMED`
+holds the letters by their names in print: "l" is `length`, "I" is `moment`.
 """
 
 import sympy as sp

@@ -1,12 +1,12 @@
-"""What texts say of equations, letters and functions, compared with what was computed.
+"""Checks that texts say of equations, letters and functions what was computed.
 
-A number in the sentence of a step, an entry or a function is that of an equation whose value is
-taken there, and several come in the order in which they are taken. Prose has each number with
-what its equation is about. A letter has one dimension, in which all values are homogeneous and
-equal to their left sides; and the formula that stands for it.
+A number in the sentence of a step, an entry or a function must be that of an equation whose value
+is taken there; several numbers come in the order in which the values are taken. In prose each
+number stands with what its equation is about. A letter has one dimension: every value is
+homogeneous and has the dimension of its left side, and a formula in the letter's meaning fits.
 
-Whatever is typed and not computed was read beside its forms, and is sealed: who changes a word, a
-label or a formula in a sentence reads the page again there.
+All text that is typed, not computed, was read beside its forms and is sealed by a digest, `READ`:
+whoever changes a word, a label or a formula in a sentence reads it again there, on the page.
 """
 
 import ast
@@ -26,7 +26,7 @@ from .kernel import KERNEL
 from .proof import Equation, told
 from .trace import Step
 
-READ = "b5892eb0d3ac3c9f"  # digest of all words, when they were last read
+READ = "d324f877fc39bdbe"  # digest of all words, when they were last read
 _REMARK = re.compile(r'"""(?s:.*?)"""|#.*')
 _NUMBER = re.compile(r"\((B?\d+)\)")
 _NUMBERED = re.compile(r"(B?\d+)(: (?!text).*)?")
@@ -35,7 +35,7 @@ _DIMENSIONS = {x.name: paper.read(x.dimension, _UNITS) for x in lecture.LETTERS}
 _LETTERS = {
     re.sub(r"\\mathit|[{}']", "", x.tex): sp.Symbol(x.name) for x in reversed(lecture.LETTERS)
 }
-_PLAIN = (  # what does not change the dimension of a left side
+_PLAIN = (  # replacements that keep the dimension of a left side
     (r"\\(Delta|delta|partial|max_\\phi) ?|\(t_[1f]\)|\((\d+|\\theta(_s)?)\)|[]['|]", ""),
     (r"_\{(?:([\w*]), )?[a-z, ]{3,}\}", r"_\1"),
     (r"_\{([\w*]+)\}|\{(\\\w+)\}", r"_\1\2"),
@@ -50,11 +50,11 @@ _UNIT = re.compile(r"((?:\$[^$]+\$(?:, | and )?)+) in (m/s|1/s|m|\$[^$]+\$)(?![\
 # ---- numbers of equations ------------------------------------------------------------------------
 
 
-Take: TypeAlias = tuple[Step, Any]  # a step taken, and the place of its value, None of the whole
+Take: TypeAlias = tuple[Step, Any]  # a step taken, and the place of its value; None: the whole
 
 
 def _takes(steps: Sequence[Step]) -> Iterator[Take]:
-    """Steps whose values are taken, whole or one by one."""
+    """Axioms and derived steps, each with the place of a value that is taken; None: the whole."""
     for step in steps:
         if step.kind in ("axiom", "derived"):
             parts = [x.given for x in steps if x.kind == "part" and x.name == step.name]
@@ -63,7 +63,7 @@ def _takes(steps: Sequence[Step]) -> Iterator[Take]:
 
 
 def _holders(entries: Sequence[Equation]) -> list[tuple[str, Take]]:
-    """What each numbered equation is the value of: the last that its derivation takes."""
+    """Numbers of equations, each with the take that is its value: the last of its derivation."""
     found = []
     for entry in entries:
         number, takes = _NUMBERED.fullmatch(entry.tag), list(_takes(entry.steps))
@@ -79,7 +79,10 @@ def _case(step: Step) -> tuple[str, ...]:
 def _numbers(
     steps: Sequence[Step], held: Sequence[tuple[str, Take]], own: bool = False
 ) -> list[str]:
-    """Numbers of the equations that steps take, in their order; `own` of other values of a step."""
+    """Numbers of the equations whose values steps take, in their order.
+
+    `own` asks for equations that hold a value of the same step, but for other arguments.
+    """
     found = []
     for step, place in _takes(steps):
         same = [(n, take) for n, take in held if _case(take[0]) == _case(step)]
@@ -101,7 +104,7 @@ def _misnumbered(sentence: str, taken: Sequence[str]) -> Iterator[str]:
 
 
 def _steps(steps: Sequence[Step], known: set) -> Iterator[tuple[Step, Sequence[Step]]]:
-    """Each step of a derivation once, with those that its sentence may cite."""
+    """Each step of a derivation once, with the steps that its sentence may cite."""
     for step in steps:
         yield step, step.inner if step.kind == "derived" else steps
         if step.kind == "derived" and (step.name, step.given) not in known:
@@ -111,7 +114,7 @@ def _steps(steps: Sequence[Step], known: set) -> Iterator[tuple[Step, Sequence[S
 
 
 def wrong_numbers(entries: Sequence[Equation]) -> Iterator[str]:
-    """Numbers of equations that are not taken where they are cited."""
+    """Messages on equation numbers that are cited where their values are not taken."""
     abouts = {x.tag: x.what for x in entries}
     for number, name in lecture.CITED:
         if abouts.get(number) != name:
@@ -158,7 +161,7 @@ def dimension(form: sp.Expr) -> sp.Expr:
 
 @cache
 def left_side(left: str) -> sp.Expr:
-    """A left side, read in letters of the table."""
+    """Expression with the dimension of a left side, read in letters of the table."""
     for old, new in _PLAIN:
         left = re.sub(old, new, left)
     left = re.sub(r"(\\?[A-Za-z]+)_[\w*]", lambda x: x[x[0] not in _LETTERS], left)
@@ -166,7 +169,7 @@ def left_side(left: str) -> sp.Expr:
 
 
 def wrong_letters(entries: Sequence[Equation]) -> Iterator[str]:
-    """Meanings, dimensions and left sides that do not fit together."""
+    """Messages on meanings of letters, values and left sides whose dimensions do not fit."""
     known: set[Any] = set()
     for letter in lecture.LETTERS:
         for formula in letter.meaning.split("$")[1::2]:
@@ -190,7 +193,7 @@ def _plain(tex: str) -> str:
 
 
 def wrong_functions() -> Iterator[str]:
-    """Units and formulas in the words of generated functions that are not those of their forms."""
+    """Messages on units and formulas in generated functions' words that contradict their forms."""
     for function in FUNCTIONS:
         words = function.words["summary"] + function.words["detail"]
         for names, unit in _UNIT.findall(words):
@@ -214,7 +217,10 @@ def wrong_functions() -> Iterator[str]:
 
 
 def digest() -> str:
-    """Of all that is typed here in words or as LaTeX, remarks of the kernel included."""
+    """Digest, 16 hex digits, of all words and LaTeX typed here and in the kernel's remarks.
+
+    White space does not count, nor do `READ` and comments of this package's Python files.
+    """
     typed = _REMARK.findall(KERNEL.read_text("utf-8"))
     for path in sorted(Path(__file__).parent.rglob("*")):
         if path.suffix in (".toml", ".html", ".css", ".jinja"):
@@ -227,7 +233,7 @@ def digest() -> str:
 
 
 def wrong(entries: Sequence[Equation]) -> Iterator[str]:
-    """What is wrong in a text."""
+    """Messages on all that is wrong in texts: numbers, letters, functions, words not read again."""
     yield from wrong_numbers(entries)
     yield from wrong_letters(entries)
     yield from wrong_functions()

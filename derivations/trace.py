@@ -1,7 +1,7 @@
-"""What a derivation rests on, noted while it is computed.
+"""Steps on which a derivation rests, noted while it is computed.
 
-An axiom notes its use (`note`), `solve` an equation that was solved. `derived` caches a derivation
-together with its steps, so that a cached result hands the note on.
+An axiom notes its use by `note`; `solve` notes the equation that it solves. `derived` caches a
+derivation together with its steps, so that a cached result notes them wherever it is used.
 """
 
 import inspect
@@ -28,21 +28,21 @@ class Step:
     """One step of a derivation: an axiom put to use, a value derived, an equation solved."""
 
     kind: str  # "axiom", "derived", "part" (of a derived one), "solved" or "said"
-    name: str  # tag of the axiom, name of the step; of the others its sentence
-    given: tuple[Any, ...] = ()  # arguments and place; of "solved" the unknowns; else left sides
-    value: Any = None  # what it gave; of "solved" both sides
-    inner: tuple["Step", ...] = ()  # the steps on the way to it
+    name: str  # tag of an axiom, name of a derived step or of a part's; else the sentence
+    given: tuple[Any, ...] = ()  # arguments, then a part's place; unknowns; or left sides
+    value: Any = None  # the result; if "solved", both sides of each equation
+    inner: tuple["Step", ...] = ()  # steps that were taken while it was computed
 
     @property
     def what(self) -> str:
-        """Its sentence: of a derived value the first line of the docstring."""
+        """Sentence of the step: for a derived one the first line of its function's docstring."""
         if self.kind != "derived":
             return self.name
         return (STEPS[self.name].__doc__ or "").partition("\n")[0].rstrip(".")
 
     @property
     def values(self) -> list[tuple[str, sp.Expr]]:
-        """What a derived value consists of, each with its left side."""
+        """Values of the step, each with its left side; a solved equation or a part has none."""
         if self.kind in ("solved", "part"):
             return []
         if isinstance(self.value, dict):
@@ -57,22 +57,22 @@ class Step:
         return [(left % put, value) for left, value in zip(lefts, listed, strict=True)]
 
 
-_open: list[list[Step]] = []  # steps of the derivations now being computed, the inner one last
+_open: list[list[Step]] = []  # steps of the derivations now being computed, innermost last
 
 STEPS: dict[str, Callable[..., Any]] = {}  # every derivation step, by module and name
-LEFTS: dict[str, tuple[str, ...]] = {}  # left sides of what each gives, LaTeX with %(argument)s
-CACHES: list[dict] = []  # of all derivations: arguments, and the result with its steps
+LEFTS: dict[str, tuple[str, ...]] = {}  # left sides of each one's values, LaTeX with %(argument)s
+CACHES: list[dict] = []  # one per cached function: arguments to the result with its steps
 
 
 def note(*steps: Step) -> None:
-    """Count steps among those of the derivation now being computed, each once."""
+    """Add steps to those of the derivation now being computed, each once."""
     if _open:
         _open[-1] += [step for step in steps if step not in _open[-1]]
 
 
 @contextmanager
 def noted() -> Iterator[list[Step]]:
-    """Collect the steps that are taken inside."""
+    """Collect the steps that are taken inside a `with` block, in a list."""
     taken: list[Step] = []
     _open.append(taken)
     try:
@@ -82,10 +82,10 @@ def noted() -> Iterator[list[Step]]:
 
 
 def misread(steps: Iterable[Step], named: Iterable[tuple[str, Any]] = ()) -> str:
-    """What is wrong with a left side such as v_f - v_1; nothing if all is well.
+    """What is wrong with the left sides of steps, such as v_f - v_1; empty if all is well.
 
-    It is read with the letters that are named before it and those of the values; where one of
-    its letters is not among them, it is not read.
+    A left side of several letters is read with the letters that are named before it and those of
+    the values so far, and must equal its value. One with any other letter is not read.
     """
     known: dict[str, Any] = {}
     free: set[sp.Basic] = set()
@@ -106,30 +106,30 @@ def misread(steps: Iterable[Step], named: Iterable[tuple[str, Any]] = ()) -> str
 
 
 def names(steps: Iterable[Step], kind: str) -> set[str]:
-    """Names of the steps of a kind, those on the way to a step included."""
+    """Names of all steps of a kind, including the steps inside other steps."""
     inner = [names(step.inner, kind) for step in steps]
     return {step.name for step in steps if step.kind == kind}.union(*inner)
 
 
 class Parts(tuple):
-    """The values of a step, which notes those that are taken one by one."""
+    """Values of a step, as a tuple that notes each one that is taken by its place."""
 
     step: Step
 
     def __getitem__(self, place: Any) -> Any:
-        """Return the value at a place."""
+        """Return the value at a place, and note that it was taken."""
         note(Step("part", self.step.name, (*self.step.given, place)))
         return super().__getitem__(place)
 
 
 def remembered(function: Callable[..., Any], name: str = "") -> Callable[..., Any]:
-    """Cache results by positional arguments, each with its steps; a `name` makes it a step."""
+    """Cache results and their steps by positional arguments; a `name` makes each call a step."""
     results: dict[tuple, tuple[Any, list[Step]]] = {}
 
     @wraps(function)
     def cached(*given: Any) -> Any:
         if given not in results:
-            seed(0)  # factoring draws random numbers, of which a few take it minutes
+            seed(0)  # factoring draws random numbers; unlucky ones make it take minutes
             with noted() as taken:
                 value = function(*given)
             whole = Step("derived", name, given, value, tuple(taken))
@@ -148,9 +148,9 @@ def remembered(function: Callable[..., Any], name: str = "") -> Callable[..., An
 
 
 def derived(*lefts: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Register a derivation step with the left sides of its values, and cache it.
+    """Decorator that registers a derivation step with the left sides of its values, and caches it.
 
-    The first line of its docstring is the sentence that a reader finds before them.
+    The first line of the step's docstring is the sentence that a reader finds before its values.
     """
 
     def registered(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -167,19 +167,21 @@ def derived(*lefts: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
 
 
 def say(sentence: str, *lefts_and_value: Any) -> None:
-    """Note a line of the derivation: a sentence, and an equation of what was computed.
+    """Note a line of a derivation: a sentence, and an equation of what was computed.
 
-    The left sides, LaTeX, and the value come last; several values are a tuple.
+    After the sentence come the left sides, in LaTeX, and last the value; several values are a
+    tuple.
     """
     *lefts, value = lefts_and_value
     note(Step("said", sentence, tuple(lefts), value))
 
 
 def solve(forms: Any, unknowns: Any, meant: str = "") -> Any:
-    """Solve one equation for a letter, or several linear ones; it is noted as a step.
+    """Solve an equation for a letter, or linear ones for a list of letters; note it as a step.
 
-    An equation is an expression that vanishes, or a pair of sides. `meant` is the sentence that
-    says what it is; without one it says what it was solved for.
+    An equation is an expression that vanishes, or a pair of sides. `meant` is the sentence of the
+    step; without one it says which letters were solved for. One equation gives a list of its
+    roots, several give one value for each letter.
     """
     several = isinstance(unknowns, list)
     letters = tuple(unknowns) if several else (unknowns,)
@@ -190,6 +192,6 @@ def solve(forms: Any, unknowns: Any, meant: str = "") -> Any:
     if several:
         (found,) = sp.linsolve(differences, *letters)
         return found
-    # SymPy's own simplification of a root takes longer than the root
+    # SymPy takes longer to simplify a root than to find it
     roots = sp.solve(differences[0], unknowns, simplify=False)
     return [sp.factor(x) if x.is_rational_function() else sp.simplify(x) for x in roots]
