@@ -1,4 +1,4 @@
-"""Mass, moment of inertia and contact geometry of three rods, by integration; note [12]."""
+"""Mass, moment of inertia and contact of three rods, by integration; the paper's note [12]."""
 
 import sympy as sp
 
@@ -64,7 +64,7 @@ def thin_gyration() -> sp.Expr:
 
 
 def _stand(lowest: sp.Matrix) -> Pair:
-    """(X, Z) of the centre of mass over the body's lowest point (x, z from the centre)."""
+    """(X, Z) of the centre of mass seen from the lowest point, which is given from the centre."""
     return tuple(-lowest)
 
 
@@ -91,7 +91,7 @@ def flat_contact() -> Pair:
 
 
 def _contact_checks(form: sp.Matrix) -> Residuals:
-    """What fixes a contact: virtual work, the end's radius of curvature, height at two tilts."""
+    """Residuals of contacts: virtual work, radius of curvature of the end, height at two tilts."""
     x_round, z_round, x_flat, z_flat = form
     checks = []
     for x, z, curvature in ((x_round, z_round, diameter / 2), (x_flat, z_flat, 0)):
@@ -105,7 +105,7 @@ def _contact_checks(form: sp.Matrix) -> Residuals:
 
 
 def _gyration_checks(form: sp.Matrix) -> Residuals:
-    """Half-balls and a cylinder, shifted (Steiner); x^2 + z^2 over a cylinder's volume."""
+    """Residuals of both k^2: shifted parts (Steiner); mean x^2 + z^2 over a cylinder's volume."""
     mass, inertia = (part.subs(h_0, length / diameter - 1) for part in _by_parts())
     r, turn = sp.symbols("r theta", positive=True)
     inner = sp.integrate((_z**2 + r**2 * sp.cos(turn) ** 2) * r, (r, 0, diameter / 2))
@@ -115,7 +115,10 @@ def _gyration_checks(form: sp.Matrix) -> Residuals:
 
 
 def _by_parts(mass: sp.Expr = 1 + 3 * h_0 / 2) -> Pair:
-    """Mass and inertia of the spherocylinder again: cylinder and two half-balls, shifted."""
+    """Mass and inertia of a spherocylinder as a cylinder and two shifted half-balls.
+
+    A second route to `spherocylinder`, in its units.
+    """
     balls = mass.subs(h_0, 0)
     cylinder, cap = mass - balls, balls / 2
     own = cap * sp.Rational(2, 5) / 4 - cap * sp.Rational(3, 16) ** 2  # about its own centre

@@ -1,4 +1,4 @@
-"""Generated functions, in functions.toml's words: derived outputs and rewriting rules."""
+"""Outputs of the generated functions, as derived; functions.toml has their words and text."""
 
 from collections.abc import Callable
 from functools import partial
@@ -48,12 +48,12 @@ _gain, _rest, _j_1, _N_after, _cross = sp.symbols("gain rest j_1 N_after cross",
 
 
 def _until_v_f(part: sp.Expr) -> sp.Expr:
-    """A form under kinematic restitution, for any final normal velocity instead."""
+    """A form under kinematic restitution, rewritten for any final normal velocity v_f."""
     return part.subs(epsilon, -v_f / v_0)
 
 
 def _sticking() -> dict[str, sp.Expr]:
-    """Impulse and spin of j = 1."""
+    """Impulse (push, lift) and spin (turn) of j = 1 while the contact sticks, per unit mass."""
     lift = SQUARES[K_z]
     push = sticking_force().subs(F_z, lift)
     return {"push": push, "lift": lift, "turn": spin_jump(push, lift).subs(_one)}
@@ -69,20 +69,20 @@ _of_rods = partial(Function, letters=Letters(LETTERS | {x.name: x for x in _POSI
 
 
 def _thin(expr: sp.Expr) -> sp.Expr:
-    """Per length k, for positive X and Z."""
+    """A form with X = x k and Z = z k put in, for positive x and z, simplified."""
     return sp.simplify(expr.subs({X: _x * k, Z: _z * k}))
 
 
 def _rod(
     contact: Pair, simpler: Callable[[sp.Expr], sp.Expr], square: sp.Expr
 ) -> dict[str, sp.Expr]:
-    """Place of the centre by sine and cosine, and the squared gyration radius over l^2."""
+    """Outputs of a rod: X and Z by sine and cosine of the tilt, and `gyration`, k^2 over l^2."""
     X, Z = (form.subs({sp.sin(phi): _sin, sp.cos(phi): _cos}) for form in contact)
     return {"X": X, "Z": Z, "gyration": simpler(square.subs(diameter, _s * length) / length**2)}
 
 
 def _of_law(law: str, order: str, output: str, power: int) -> Function:
-    """What a law of restitution gives after a stop."""
+    """Generated function of v_f to a power, under a law of restitution, if the slip stops."""
     return Function(
         f"{law}_{order}",
         lambda: {output: laws.final_velocity(law, order) ** power},
@@ -91,13 +91,16 @@ def _of_law(law: str, order: str, output: str, power: int) -> Function:
 
 
 def _grip_of(case: str) -> sp.Expr:
-    """c_x/(x c_z') - z."""
+    """Grip of a stationary landing: c_x/(x c_z') - z, with x = X/k and z = Z/k."""
     along, up = drift.stationary(case)
     return sp.simplify(_thin(along / up) / _x - _z)
 
 
 def _response() -> dict[str, sp.Expr]:
-    """What a response's eigenvalues are made of; at the critical friction that of slip-stick."""
+    """Forms that give the eigenvalues of a stationary landing's response, in slip reversal.
+
+    `held` is the friction over the critical one; at 1 the forms are those of slip-stick.
+    """
     a, b, c, d = optimum.jacobian("back")
     forms = (*optimum.stability_margins("back"), a - d, -4 * b * c)
     names = ("steady", "alternating", "shrinking", "apart", "coupling")
@@ -112,7 +115,7 @@ def _critical_tangents() -> dict[str, sp.Expr]:
 
 
 def _of_levers(form: sp.Expr) -> sp.Expr:
-    """A form of a rod or of two bodies, in inverse masses and levers over k."""
+    """A form of a rod or of two bodies, rewritten in inverse masses and in levers over k."""
     for letters, names in (
         ({x: x for x in (m, k, X, Z)}, "s x z"),
         (FIRST, "s_1 x_1 z_1"),

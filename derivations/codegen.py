@@ -1,4 +1,4 @@
-"""Code generation: the assignments of a function, proved, become its text."""
+"""Code generation: text of a function from its proved assignments."""
 
 import textwrap
 
@@ -7,7 +7,7 @@ from .rewrites import Function
 
 
 def text(function: Function) -> str:
-    """Text of a generated function."""
+    """Text of a generated function: its head, docstring, assignments and return."""
     body, counts = function.body
     words = {key: to_text(said) for key, said in function.words.items()}
     history = ", ".join(f"{rule} {operations}" for rule, operations in counts.items())

@@ -61,22 +61,22 @@ STYLE = {
 MARKERS = {"newton": "o", "poisson": "s", "stronge": "^"}
 RESTITUTION, FRICTION = 0.5, 0.3
 TILT = {phi: sp.pi / 6}  # of the rod that shows the letters
-MAP = {u_0: 1, v_0: -2.0, epsilon: 0.65, length: 1}  # the landing of the map
-EDGES = {"14": "blue", "16": "orange"}  # of its regimes: where these entries change their sign
+MAP = {u_0: 1, v_0: -2.0, epsilon: 0.65, length: 1}  # the landing of the map of regimes
+EDGES = {"14": "blue", "16": "orange"}  # lines of the map where these entries change sign
 At = dict[sp.Symbol, Any]
 
 
 @dataclass(frozen=True)
 class Drawing:
-    """One drawing, with the words that go with it."""
+    """One drawing of the report, with its title and caption."""
 
     name: str
-    title: str  # for who cannot see it
+    title: str  # for readers who cannot see it
     caption: str  # sentence with formulas between dollar signs
     draw: Callable[[], Figure]
 
     def svg(self) -> str:
-        """The drawing as an element of a page, its ids begun with its name."""
+        """SVG element of the drawing for a page; its ids begin with the drawing's name."""
         with mpl.rc_context(STYLE), StringIO() as file:
             self.draw().savefig(file, format="svg", bbox_inches="tight")
             text = file.getvalue()
@@ -91,7 +91,10 @@ class Drawing:
 
 
 def _number(expr: Any, at: At) -> float:
-    """A derived expression of a thin rod of length and mass one as a number."""
+    """Value of a derived expression for a thin rod.
+
+    Length and mass are one, friction and restitution the drawings' own, unless `at` has others.
+    """
     known = {mu: FRICTION, epsilon: RESTITUTION, length: 1, m: 1} | at
     return float(sp.sympify(expr).subs(THIN).subs(known))
 
@@ -102,7 +105,7 @@ def _along(letter: sp.Symbol) -> np.ndarray:
 
 
 def _top_velocity(height: float) -> np.ndarray:
-    """Velocity of a point above the centre of mass by a spin of one."""
+    """Velocity, by a spin of one, of a point at a height above the centre of mass at rest."""
     still = {c_x: 0, c_z: 0, V_z: 0, omega: 1}
     return np.array(contact_velocity((0, height)).subs(still), dtype=float).ravel()
 
@@ -157,9 +160,9 @@ def geometry() -> Figure:
     return figure
 
 
-# regime: tilt in degrees and u_0, under v_0 = -1; whether friction then holds it or it slips back
+# Impacts that are drawn, by regime: tilt in degrees and u_0, with v_0 = -1.
 IMPACTS = {"slide": (30, 2.2), "slip-stick": (12, 1.1), "slip reversal": (45, 0.8)}
-ENDED = {"u": "no slip", "v": "deepest"}  # where a contact velocity vanishes
+ENDED = {"u": "no slip", "v": "deepest"}  # words for where a contact velocity vanishes
 
 
 def _at(regime: str) -> At:
@@ -188,7 +191,7 @@ def path(regime: str) -> tuple[np.ndarray, dict[str, np.ndarray]]:
 
 
 def impulses(regime: str) -> Figure:
-    """Routh's plane of impulses: path of one impact, and where it ends under each law."""
+    """Figure of Routh's plane of impulses: path of one impact, and where it ends under each law."""
     figure = Figure(figsize=(3.4, 4.2), layout="constrained")
     axes = figure.subplots()
     corner, ends = path(regime)
@@ -225,7 +228,10 @@ def impulses(regime: str) -> Figure:
 
 
 def regimes() -> Figure:
-    """Regimes of a thin rod over tilt and friction; the slip stops or slides on, is held or not."""
+    """Map of a thin rod's regimes over tilt and friction.
+
+    On one edge the slip just stops, on the other friction just holds the contact.
+    """
     figure = Figure(figsize=(5.4, 3.8))
     axes = figure.subplots()
     over = {phi: np.radians(np.linspace(0.05, 89.95, 300)), mu: np.linspace(0.002, 1.1, 200)}
@@ -259,7 +265,7 @@ _DRAWN: dict[str, Callable[[], Figure]] = {
 
 
 def _pushed(direction: int, *words: str) -> str:
-    """The first word if friction in a slip of this direction points to -x, else the second."""
+    """Pick the first word if friction in a slip of this direction points to -x, else the second."""
     return words[_number(slide.friction(sp.S.One, direction), {}) > 0]
 
 

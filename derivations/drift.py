@@ -32,7 +32,7 @@ _IMPULSES = {"slide": slide.impulse, "stick": slip_stick.impulse, "back": slip_r
 
 
 def spin_at_landing() -> sp.Expr:
-    """Omega before the mean landing, by the closure."""
+    """Spin omega before the mean landing, solved from the closure."""
     (spin,) = solve(CLOSURE({})[0], omega, "The closure has no spin")
     return spin
 
@@ -77,7 +77,7 @@ def centre_excess() -> sp.Expr:
 
 
 def _drifts() -> dict[str, sp.Expr]:
-    """Drifts by the numbers of their equations."""
+    """Drifts of both regimes, by left sides with the numbers of their equations, (24) and (27)."""
     return {"c'_x(24)": stationary("stick")[0], "c'_x(27)": stationary("back")[0]}
 
 
@@ -110,16 +110,18 @@ def plate_velocity() -> sp.Expr:
 
 
 def _landed(value: sp.Expr) -> Residuals:
-    """What c_z before the landing, from whole impacts, differs by from a value."""
+    """Residuals in both regimes: c_z before the landing, from whole impacts, less a given value."""
     return [second_routes.landing(case)[1] - value for case in CASES]
 
 
 def _balance_of_impulses(form: sp.Expr) -> Residuals:
-    """Stationary: friction forward and backward cancel, under the same total normal impulse p.
+    """Residual of (27) over (24) at mu -> 0, from a balance of tangential impulses.
 
-    In slip reversal without much friction the slip then stops at p/2. Sticking takes the same
-    tangential impulse back, so that it stops at p s/(mu + s), s = XZ/(k^2 + Z^2). Slip lost up to
-    there: (XZ + mu (k^2 + Z^2))/(m k^2) per impulse.
+    In the stationary landing friction forward and backward cancel, under a total normal impulse p
+    that is equal in both regimes. In slip reversal without much friction the slip then stops at
+    p/2. Sticking takes the whole tangential impulse back, so that the slip stops at p s/(mu + s),
+    where s = XZ/(k^2 + Z^2). Per unit of normal impulse up to the stop, the slip loses
+    (XZ + mu (k^2 + Z^2))/(m k^2).
     """
     s = X * Z / (k**2 + Z**2)
     lost = X * Z + mu * (k**2 + Z**2)
@@ -134,7 +136,7 @@ def _slide_told() -> str:
 
 
 def _again_told() -> str:
-    """From which tilt on the centre leaves more slowly than the plate."""
+    """Note on the tilt above which the centre of a thin rod leaves more slowly than the plate."""
     excess = centre_excess().subs(THIN) / V_z
     thin = sp.cancel(excess.subs(epsilon, PAPER[epsilon]))
     tilt = sp.asin(

@@ -1,4 +1,4 @@
-"""Whether two forms are equal: identically where they are rational, else at random points."""
+"""Tests whether forms are equal: identically where they are rational, else at random points."""
 
 import random
 from collections.abc import Callable, Iterable
@@ -19,7 +19,7 @@ Residuals: TypeAlias = Iterable[sp.Expr]  # what vanishes where a form is right
 DIGITS = 40
 POINTS = 5
 
-# Where random points are drawn; what is not named lies in (-2, 2), or in (1/2, 2) if positive.
+# Where random points are drawn; other letters lie in (-2, 2), or in (1/2, 2) if positive.
 DOMAIN = {
     s.mu: ("1/20", "7/10"),
     s.epsilon: ("1/10", "9/10"),
@@ -40,7 +40,7 @@ def components(form: Form) -> tuple[sp.Expr, ...]:
 
 @cache
 def vanishes(expr: sp.Expr) -> bool:
-    """Whether `expr` is identically zero: rational in the symbols and in tan(phi/2)."""
+    """Whether an expression, rational in its letters and in tan(phi/2), is identically zero."""
     expr = expr.doit()
     if not equal_at_random_points(expr, sp.S.Zero, points=1):
         return False  # the quick way out
@@ -67,7 +67,7 @@ def is_zero(expr: sp.Expr) -> bool:
 
 
 def random_point(free: Iterable[sp.Symbol], seed: int) -> dict[sp.Symbol, sp.Rational]:
-    """A reproducible random rational point of the domain."""
+    """Random rational values of letters in `DOMAIN`, reproducible by their seed."""
     draw = random.Random(seed)
     point = {}
     for symbol in sorted(free, key=str):
@@ -79,13 +79,13 @@ def random_point(free: Iterable[sp.Symbol], seed: int) -> dict[sp.Symbol, sp.Rat
 
 @cache
 def compiled(expr: sp.Expr) -> tuple[list[sp.Symbol], Callable[..., mpmath.mpf]]:
-    """Letters of an expression, and its function of them."""
+    """Letters of an expression, and the expression as an mpmath function of them."""
     letters = sorted(expr.free_symbols, key=str)
     return letters, sp.lambdify(letters, expr, "mpmath")
 
 
 def _value(expr: sp.Expr, known: dict[sp.Expr, mpmath.mpf]) -> mpmath.mpf:
-    """Value of an expression by those of its letters; `known` gains those of its parts."""
+    """Value of an expression; `known` has its letters' values, and gains those of its parts."""
     if expr not in known:
         if expr.is_Add or expr.is_Mul or expr.is_Pow:
             parts = [_value(part, known) for part in expr.args]
@@ -112,7 +112,7 @@ def equal_at_random_points(a: sp.Expr, b: sp.Expr, points: int = POINTS) -> bool
 
 
 def same(a: Form, b: Form) -> bool:
-    """Whether two forms say the same; inequalities may differ by a positive factor."""
+    """Whether two forms are identically equal; inequalities may differ by a positive factor."""
     pairs = tuple(zip(components(a), components(b), strict=True))
     if isinstance(a, sp.Rel):
         as_strict = ("=" in a.rel_op) == ("=" in b.rel_op)

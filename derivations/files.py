@@ -44,7 +44,7 @@ DIGEST = "{digest}"  # sha256 of these functions and the kernel, first 16 digits
 
 
 def source(progress: Progress = iter) -> str:
-    """Text of the closed forms."""
+    """Text of impact/_generated.py: the closed forms, and a digest of them and the kernel."""
     forms = "\n\n\n".join(map(codegen.text, progress(closed_forms.FUNCTIONS))) + "\n"
     whole = forms + KERNEL.read_text(encoding="utf-8")
     digest = hashlib.sha256(whole.encode()).hexdigest()[:16]
@@ -52,14 +52,14 @@ def source(progress: Progress = iter) -> str:
 
 
 def page() -> str:
-    """Text of EQUATIONS.md: the mistakes, the new results, what is noted, numbered equations."""
+    """Text of EQUATIONS.md: mistakes, new results, noted sentences and numbered equations."""
     counts = Counter(entry.verdict for entry in ENTRIES)
     template = TEMPLATES.get_template("EQUATIONS.md.jinja")
     return template.render(entries=ENTRIES, told=told, counts=counts)
 
 
 def digest() -> str:
-    """Digest of the closed forms and the kernel, as the committed file has it."""
+    """Digest of the closed forms and the kernel, read from impact/_generated.py."""
     return str(loaded("", {})["DIGEST"])
 
 
@@ -102,7 +102,7 @@ def replacing(path: str | Path) -> Iterator[Path]:
 
 
 def write(text: str, target: Path) -> bool:
-    """Write beside the target and rename; return whether the file changed."""
+    """Write a text file, whole or not at all; return whether the file changed."""
     if plain(target).exists() and target.read_text(encoding="utf-8") == text:
         return False
     with replacing(target) as part:

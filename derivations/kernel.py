@@ -1,27 +1,29 @@
-"""One impact, impact/_kernel.py: the code that ships, read as a file, run and proved.
+"""Proof of the code of one impact, impact/_kernel.py, which is read as a file and run.
 
-In the mirror frame in which the contact point slips forward (u_0 >= 0), with N and T of forward
-slip (`RESPONSES`) and u_* what a slide would leave of the slip, the code's branch rule is
+The code's branch rule stands in the mirror frame, in which the contact point slips forward
+(u_0 >= 0). N and T are those of forward slip (`RESPONSES`), u_* is what a slide would leave of the
+slip:
 
     slide          N > 0, u_0 > 0 and u_* >= 0
-    slip-stick     else, where X Z <= mu (k^2 + Z^2)
-    slip reversal  else
+    slip-stick     otherwise, if X Z <= mu (k^2 + Z^2)
+    slip reversal  otherwise
 
-It holds inside the Painleve region (N <= 0) too, where slip always stops and friction always
-holds. The code is plain arithmetic and choices, so it runs on whatever numbers its primitives are
+The rule holds inside the Painleve region (N <= 0) too, where slip always stops and friction always
+holds. The code is plain arithmetic and choices, so it runs on any numbers that its primitives are
 made for. A proof runs it in every situation of `trials`, under each law, on
 
 numbers   of 60 digits, each with what every rounding on its way would add to it, to first order:
-          the regime is that of the only history of the impact that obeys all laws, and what is
-          claimed to be accurate has no more roundings left than `ACCURATE` says
-letters   along the path that the numbers took, by the same decisions: what is returned is what
-          was derived for that regime and law, to 40 digits at random points
+          the regime must be that of the only history of the impact that obeys all laws, and no
+          sum named in `ACCURATE` may have more roundings left than stand there
+letters   along the path that the numbers took, by the decisions that they took: what is returned
+          must be what was derived for that regime and law, to 40 digits at random points
 
-Sums and products that carry their error are theorems of Knuth and Dekker. Their text is tried on
-all numbers of eleven binary digits; those of 53, odd as well, part in the same way.
+Theorems of Knuth and Dekker say that sums and products carry their error exactly. The code's text
+of these is tried on numbers of eleven binary digits. Those of 53 digits split in the same way,
+since 53 is odd as well.
 
-Not shown: what shows in no situation, in terms of second order alone, in a clamp that acts on
-rounding errors alone, or beyond the range of floating-point numbers.
+The proof misses what shows in no situation, in terms of second order alone, in a clamp that acts
+on rounding errors alone, or beyond the range of floating-point numbers.
 """
 
 import ast
@@ -74,7 +76,8 @@ CLOSED_FORMS, KERNEL = _IMPACT / "_generated.py", _IMPACT / "_kernel.py"
 LAWS = "newton", "poisson", "stronge"
 SLIDE, STICK, BACK = 1, 2, 3  # codes of regimes; 0 is no impact
 _RETURNED = "c_x", "c_z", "omega", "regime", "P_x", "P_z", "slip", "v_f", "energy"
-# Roundings left in a sum of names of a function, each as large as that sum, or as another one.
+# By function: a sum of its names, and how many roundings are left in it at most. Each is as large
+# as that sum, or as the sum after "of".
 ACCURATE: Mapping[str, tuple[str, ...]] = {
     "contact_velocity": ("u_0 + u_low: 0", "v_0 + v_low: 0"),
     "responses": ("N + N_low: 0", "T + T_low: 0", "N_back: 1", "T_back: 2", "K: 1", "K_z: 1"),
@@ -93,7 +96,7 @@ ACCURATE: Mapping[str, tuple[str, ...]] = {
 
 @cache
 def _tree(code: str) -> ast.Module:
-    """The closed forms and the kernel's text, without what they import."""
+    """Syntax tree of the closed forms and of the kernel's text, without their imports."""
     tree = ast.parse(CLOSED_FORMS.read_text(encoding="utf-8") + code)
     tree.body = [node for node in tree.body if not isinstance(node, ast.ImportFrom)]
     return tree
@@ -105,7 +108,7 @@ def _compiled(code: str) -> Any:
 
 
 def loaded(code: str, primitives: Values) -> Values:
-    """All functions of the closed forms and of the kernel's text, which call these primitives."""
+    """Names of the closed forms and the kernel's text, run; its functions call these primitives."""
     space: Values = {}
     exec(_compiled(code), space)
     space.update(primitives)
@@ -113,12 +116,12 @@ def loaded(code: str, primitives: Values) -> Values:
 
 
 def functions(code: str) -> list[ast.FunctionDef]:
-    """Functions of the closed forms and of the kernel's text."""
+    """Syntax trees of the functions of the closed forms and of the kernel's text."""
     return [node for node in _tree(code).body if isinstance(node, ast.FunctionDef)]
 
 
 def _choices(decide: Callable[[Any], bool]) -> Values:
-    """Primitives that take one of two numbers."""
+    """Primitives that choose one of two numbers, by what `decide` says of a condition."""
     return {
         "select": lambda condition, a, b: a if decide(condition) else b,
         "larger": lambda a, b: a if decide(a >= b) else b,
@@ -143,7 +146,7 @@ _ON_LETTERS = {
 
 
 def on_numbers(code: str, law: str, at: Situation) -> tuple[Any, list[bool], dict[str, Values]]:
-    """One impact on `Rounded` numbers: what it returns, its decisions, names in its functions."""
+    """Run an impact on `Rounded` numbers: its result, its decisions, local values by function."""
     path: list[bool] = []
     found: dict[str, Values] = {}
 
@@ -168,14 +171,14 @@ def on_numbers(code: str, law: str, at: Situation) -> tuple[Any, list[bool], dic
 
 
 def value(form: sp.Expr, at: Situation) -> Any:
-    """A form as a number."""
+    """Value of a form in a situation."""
     letters, function = compiled(form)
     return function(*(at[letter] for letter in letters))
 
 
 @remembered
 def given() -> list[sp.Expr]:
-    """Arguments of an impact that is mirrored to the letters."""
+    """Arguments of an impact that has the letters' values once the code has mirrored it."""
     ahead = {X: SIDE * X}
     start = approach()
     along, up = (c - start[w].subs(ahead) for c, w in ((c_x, u_0), (c_z, v_0)))
@@ -183,10 +186,11 @@ def given() -> list[sp.Expr]:
 
 
 def history(at: Situation) -> int:
-    """Code of the regime of the only history that obeys all laws; -1 if it is not the only one.
+    """Code of the regime of the only history that obeys all laws; -1 if there is not just one.
 
-    A slide that ends before the slip does, or with it; a slip that stops, and sticks within the
-    cone of friction; or one that stops and then slips back, driven by more than friction can hold.
+    Without approach it is 0. The histories are a slide that ends before the slip does, or with it;
+    a slip that stops, and sticks within the cone of friction; a slip that stops and turns back,
+    driven by more than friction can hold.
     """
     if at[v_0] >= 0:
         return 0
@@ -204,7 +208,7 @@ def history(at: Situation) -> int:
 
 
 def _final_velocity(law: str, regime: int, order: str) -> sp.Expr:
-    """v_f, as derived."""
+    """Final normal velocity v_f, as derived for a law, a regime, and an early or late stop."""
     if regime == SLIDE or law == "newton":
         return RESTITUTION({})
     slopes = laws.slopes()
@@ -215,7 +219,7 @@ def _final_velocity(law: str, regime: int, order: str) -> sp.Expr:
 
 @remembered
 def impulse(law: str, regime: int, order: str) -> list[sp.Expr]:
-    """Impulse of an impact, and the contact velocity after it, as derived; per unit mass."""
+    """Impulse of an impact, per unit mass, and the contact velocity after it, as derived."""
     part = {SLIDE: slide, STICK: slip_stick, BACK: slip_reversal}[regime]
     left = {SLIDE: slide.slide_excess, BACK: slip_reversal.final_slip}
     u_left, v_left = left.get(regime, lambda: sp.S.Zero)(), _final_velocity(law, regime, order)
@@ -224,7 +228,7 @@ def impulse(law: str, regime: int, order: str) -> list[sp.Expr]:
 
 
 def _returned(law: str, regime: int, order: str) -> list[sp.Expr]:
-    """What an impact returns, as derived."""
+    """Derived forms of what the code returns of an impact, in the order of `_RETURNED`."""
     unchanged = sp.S.Zero, sp.S.Zero, u_0, v_0
     after = impulse(law, regime, order) if regime else unchanged
     moved = dict(zip((P_x, P_z, u_f, v_f), after, strict=True))
@@ -239,7 +243,7 @@ def _returned(law: str, regime: int, order: str) -> list[sp.Expr]:
 
 
 def _wrong_letters(code: str, law: str, at: Situation, path: list[bool]) -> Iterator[str]:
-    """What is not as derived, along the path of a situation."""
+    """Messages on results that are not as derived, in letters along the path of a situation."""
     early = at[u_0] == 0 or value(slide.stop()[2].subs(m, 1), at) < 0
     known = {letter: sp.S.Zero for letter in at if at[letter] == 0}
     known |= {SIDE: sp.Integer(at[SIDE])}
@@ -256,9 +260,9 @@ def _wrong_letters(code: str, law: str, at: Situation, path: list[bool]) -> Iter
 
 
 def wrong_roundings(found: Mapping[str, Values]) -> Iterator[str]:
-    """Claims of `ACCURATE` that do not hold in a run."""
+    """Messages on claims of `ACCURATE` that do not hold in a run."""
     whole_run = {name: x for names in found.values() for name, x in names.items()}
-    for function in ACCURATE.keys() & found.keys():  # Newton's law knows no `after_stop`
+    for function in ACCURATE.keys() & found.keys():  # Newton's law calls no `after_stop`
         names = whole_run | found[function]
         for claim in ACCURATE[function]:
             whole, _, left = claim.partition(": ")
@@ -271,7 +275,7 @@ def wrong_roundings(found: Mapping[str, Values]) -> Iterator[str]:
 
 
 def wrong_impacts(code: str) -> Iterator[str]:
-    """What the code gets wrong in some situation."""
+    """Messages on regimes, roundings and results that the code gets wrong in any situation."""
     seen = set()
     with mpmath.workdps(DIGITS + 20):
         for law, at in product(LAWS, situations()):
@@ -286,14 +290,15 @@ def wrong_impacts(code: str) -> Iterator[str]:
 
 
 def _splitter(kind: Any) -> Any:
-    """Veltkamp's constant for numbers of a kind: their upper half has no more digits than half."""
+    """Veltkamp's constant for a type of numbers: their upper half has at most half the digits."""
     return kind(2 ** (np.finfo(kind).nmant // 2 + 1) + 1)
 
 
 def wrong_pairs(code: str) -> Iterator[str]:
-    """Sums and products of numbers of eleven binary digits that lose something.
+    """Messages on sums and products of numbers of eleven binary digits that lose something.
 
-    Sums of all numbers of one size with every eighth of one no larger, either first; all products.
+    Tried are sums of all numbers of one size with every eighth number of no larger size, in either
+    order, and all products. The constant that splits numbers of 53 digits is compared, too.
     """
     if loaded(code, {})["SPLIT"] != _splitter(np.float64):
         yield "the constant of numbers of 53 binary digits is another one"
@@ -313,7 +318,7 @@ def wrong_pairs(code: str) -> Iterator[str]:
 
 
 def wrong_twofold(code: str) -> Iterator[str]:
-    """Operations in twice the digits that leave a rounding."""
+    """Messages on operations in twice the digits that leave a rounding or have another value."""
     space = loaded(code, _ON_NUMBERS)
     with mpmath.workdps(DIGITS + 20):
         for seed in range(8):
@@ -333,15 +338,15 @@ def wrong_twofold(code: str) -> Iterator[str]:
 
 @dataclass(frozen=True, kw_only=True)
 class Code:
-    """Functions of the kernel, and what is proved of them.
+    """Entry of the registry for functions of the kernel, with what is proved of them.
 
-    tag : among the registry's entries
-    what : is proved
-    note : more about it
-    shown : names of the functions that show it
-    wrong : what is wrong with the file's text, in words
-    tried : on what
-    verdict : of all
+    tag : name of the entry in the registry
+    what : the statement that is proved
+    note : more about the statement
+    shown : names of the functions that are shown with it
+    wrong : gives messages on what is wrong with the file's text
+    tried : what the proof tried it on, in words
+    verdict : "new" for all of these entries
     """
 
     tag: str
@@ -354,13 +359,13 @@ class Code:
 
     @property
     def text(self) -> str:
-        """The functions that show it."""
+        """Source of the functions that are named in `shown`."""
         code = KERNEL.read_text(encoding="utf-8")
         shown = [node for node in ast.parse(code).body if getattr(node, "name", "") in self.shown]
         return "\n\n".join(ast.get_source_segment(code, node) or "" for node in shown)
 
     def prove(self) -> Proof:
-        """Run the code that ships."""
+        """Test the statement on the code that ships; what is wrong first is the evidence."""
         try:
             wrong = next(self.wrong(KERNEL.read_text(encoding="utf-8")), "")
         except Exception as error:  # whatever stops a computation, there is no proof

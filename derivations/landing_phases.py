@@ -3,9 +3,9 @@
 Rods that fall with the velocity q V_0, one after the other at equal distances, fill a strip of
 height 2 pi q (in V_0 over the angular frequency) each period. The plate, at sin(theta), sweeps it
 at the velocity of approach, q + cos(theta), wherever no rod has been met before: a rod lands at its
-first contact. From q = 1 on every phase is met, and the paper's H is q = 1. Below, the plate runs
-away from the rods beyond theta_0 = arccos(-q), and what it meets next lies in the shadow of theta_0
-until it is back among rods that it has not met, at 2 pi + theta_s.
+first contact. For q >= 1 rods land at every phase; q = 1 gives the paper's H. For q < 1 the plate
+runs away from the rods beyond theta_0 = arccos(-q). It then is in the shadow of theta_0, where it
+meets no rod, until it is back among rods that it has not met, at 2 pi + theta_s.
 """
 
 import mpmath
@@ -29,7 +29,7 @@ bounce = sp.Symbol("b", positive=True)  # c_z'/V_z by the closure
 def swept(start: sp.Expr, end: sp.Expr, power: int = 0) -> sp.Expr:
     """Height of the strip that is swept between two phases, weighted with cos(theta)^power."""
     strip = sp.expand((q + sp.cos(theta)) * sp.cos(theta) ** power)
-    return sp.integrate(TR7(strip), (theta, start, end))  # no square of a cosine
+    return sp.integrate(TR7(strip), (theta, start, end))  # TR7 leaves no square of a cosine
 
 
 @derived(r"h(\theta_s)")
@@ -75,7 +75,7 @@ def tilt_of_one_half() -> sp.Expr:
 def _first_contact(fall: mpmath.mpf, line: mpmath.mpf, before: mpmath.mpf) -> mpmath.mpf:
     """Phase after `before` at which a rod at line - fall theta first meets the plate, sin(theta).
 
-    Between neighbouring turning points of the gap it has one sign or one root.
+    Between neighbouring turning points the gap has one sign or one root.
     """
 
     def gap(phase: mpmath.mpf) -> mpmath.mpf:
@@ -94,7 +94,10 @@ def _first_contact(fall: mpmath.mpf, line: mpmath.mpf, before: mpmath.mpf) -> mp
 
 
 def _touched(fall: mpmath.mpf, digits: int) -> tuple[mpmath.mpf, dict[sp.Symbol, sp.Float]]:
-    """The line of the rod that the plate just touches as it turns away, and the phases it ends."""
+    """Line of the rod that the plate just touches as it turns away, with theta_0, theta_s and q.
+
+    The rod's height is its line less fall times theta; the letters' values have so many digits.
+    """
     end = mpmath.acos(-fall)
     line = fall * end + mpmath.sin(end)
     start = _first_contact(fall, line, end) - 2 * mpmath.pi
@@ -103,16 +106,21 @@ def _touched(fall: mpmath.mpf, digits: int) -> tuple[mpmath.mpf, dict[sp.Symbol,
 
 
 def _shadow_of_a_rod(form: sp.Expr) -> Residuals:
-    """The rod that the plate just touches as it turns away is met next by theta_s of one later."""
+    """Residuals of the shadow, by a rod that the plate just touches at theta_0 as it turns away.
+
+    The plate meets this rod again at theta_s, a period later. The second residual is that of the
+    formula for theta_0.
+    """
     with mpmath.workdps(DIGITS + 30):
         _, phases = _touched(mpmath.mpf(3) / 5, 60)
     return [form.subs(phases), meaning(theta_0, q).subs(phases) - phases[theta_0]]
 
 
 def _rods_counted(form: sp.Expr) -> Residuals:
-    """Rods one by one, those between two that are just touched: the plate's velocity at each.
+    """Residual, to ten digits, of the mean speed: mean of the plate's velocity at rods one by one.
 
-    Each is searched for from a height that no plate reaches; to ten digits.
+    The rods are those between two that are just touched. The first contact of each is searched for
+    from a height that the plate does not reach.
     """
     with mpmath.workdps(20):
         fall = mpmath.mpf(1) / 5
@@ -128,7 +136,7 @@ def _rods_counted(form: sp.Expr) -> Residuals:
 
 
 def _fast_quadrature(form: sp.Expr) -> Residuals:
-    """The mean over all phases of a rod that falls faster than the plate, by numbers."""
+    """Residual of the mean speed for rods that fall faster than the plate, by quadrature."""
     with mpmath.workdps(DIGITS + 30):
         speed = mpmath.mpf("1.7")
 
@@ -142,7 +150,7 @@ def _fast_quadrature(form: sp.Expr) -> Residuals:
 
 
 def _consistent_checks(form: sp.Matrix) -> Residuals:
-    """The fall that goes with alpha gives that alpha; at the edge it is as fast as the plate."""
+    """Residuals: a fall of b alpha V_0 gives the mean alpha; at the least b that fall is V_0."""
     alpha, least = form
     fall = bounce * alpha
     mean = sp.integrate(density().subs(q, fall) * sp.cos(theta), (theta, 0, 2 * sp.pi))
@@ -150,12 +158,18 @@ def _consistent_checks(form: sp.Matrix) -> Residuals:
 
 
 def _half_checks(form: sp.Expr) -> Residuals:
-    """There the rod leaves and lands as fast as the plate moves: c_z' = V_0 = 2 V_z, by (30)."""
+    """Residual of the tilt of one half: there c_z' = V_0 = 2 V_z by (30).
+
+    The rod leaves and lands as fast as the plate moves.
+    """
     return [(1 + epsilon) / (1 - epsilon + 6 * form) - 2]
 
 
 def _density_checks(form: sp.Expr) -> Residuals:
-    """One in all, a first harmonic alone, even, and top to bottom as the velocities there."""
+    """Residuals of the density: it is normalised and even, with a first harmonic alone.
+
+    The values at 0 and pi are in proportion to the velocities of approach there.
+    """
     return [
         sp.integrate(form, (theta, 0, 2 * sp.pi)) - 1,
         form.diff(theta, 3) + form.diff(theta),

@@ -2,9 +2,10 @@
 
 `impact/_generated.py` and `impact/_kernel.py` are written in a small language: assignments, calls,
 tuples, a choice of two numbers. So are the functions of `languages.toml`, which engines and pages
-call. Here each of the latter becomes one function of another language: what it calls is put in its
-place, so that only numbers are left, and no line that nothing reads. No formula is written a second
-time, and the order of operations, on which the last digit rests, stays.
+call. Here each function of `languages.toml` becomes one function of another language. The functions
+that it calls are put in the place of their calls, so that only numbers are left; lines that nothing
+reads are dropped. No formula is written a second time. The order of operations, on which the last
+digit depends, is kept.
 
 The interface has the names of Python in both languages; C puts `rod_impact_` before each one, in
 JavaScript they are members of one object, `rodImpact`. Angles are in rad; lengths in one unit,
@@ -35,10 +36,10 @@ velocities in that unit per time. Records are structs in C and plain objects in 
     drift(geometry, friction, restitution, plate_velocity)      -> stationary
     optimal_tilt(friction, restitution)                         -> optimum
 
-All fields and arguments must be given. An impact of what is out of its domain, or not a number, is
-INVALID and nan as in Python; other functions check nothing. A law is "newton", "poisson" or
-"stronge" in JavaScript, ROD_IMPACT_NEWTON and so on in C. A regime is one of INVALID = -1,
-NO_IMPACT = 0, SLIDE = 1, SLIP_STICK = 2, SLIP_REVERSAL = 3: `rodImpact.Regime.SLIDE`,
+All fields and arguments must be given. An impact with a value that is out of its domain, or not a
+number, is INVALID and its numbers are nan, as in Python; other functions check nothing. A law is
+"newton", "poisson" or "stronge" in JavaScript, ROD_IMPACT_NEWTON and so on in C. A regime is one of
+INVALID = -1, NO_IMPACT = 0, SLIDE = 1, SLIP_STICK = 2, SLIP_REVERSAL = 3: `rodImpact.Regime.SLIDE`,
 ROD_IMPACT_SLIDE.
 
 `path`: in the plane of the impulse (P_x, P_z) over the mass the state goes from 0 in a straight
@@ -70,7 +71,8 @@ LANGUAGES: Mapping[str, str] = {
     "typescript": "rod_impact.d.ts.jinja",
 }
 _RECORD_OF = {name: name for name in RECORDS} | {"first": "body", "second": "body"}  # of a field
-# Steps of one sum or product: not worth a comment, and their names give way to those of callers.
+# Functions that are steps of one sum or product: no comment names them, and the names of their
+# values give way to those of their callers.
 _STEPS = {
     *(name for code in CODE[:2] for name in code.shown),
     "lacking",
@@ -83,27 +85,27 @@ Value = Any  # expression of a number or a flag, or a list of them
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """A value with a name, in another language."""
+    """One line of a translated function: a value with a name."""
 
-    routine: str  # from which it comes
+    routine: str  # function from which the line comes
     name: str
-    flag: bool  # or a number
+    flag: bool  # whether the value is a flag, not a number
     text: str
 
 
 @dataclass(frozen=True, slots=True)
 class Function:
-    """A function in another language, as the template of that language writes it."""
+    """A translated function, as the template of its language takes it."""
 
     name: str
-    about: Mapping[str, str]  # of languages.toml
+    about: Mapping[str, str]  # its entry in languages.toml
     arguments: Mapping[str, str]  # the record that each one is; "law", or "" for a number
     lines: list[Line]
     returned: Any  # text of a number, or a list for a record
 
 
 class _InTwiceTheDigits(ast.NodeTransformer):
-    """Operations on numbers in twice the digits."""
+    """Transformer of + - * into calls that work on numbers in twice the digits."""
 
     def visit_BinOp(self, node: ast.BinOp) -> ast.Call:
         names = {ast.Mult: "product_of", ast.Add: "sum_of", ast.Sub: "difference_of"}
@@ -115,7 +117,7 @@ def _call(name: str, *arguments: ast.expr) -> ast.Call:
 
 
 def _written(name: str, about: Mapping[str, str]) -> ast.FunctionDef:
-    """A function of languages.toml."""
+    """Syntax tree of a function of languages.toml."""
     lines = f"{about.get('text', '').strip()}\nreturn {about['returned']}".strip()
     (tree,) = ast.parse(f"def {name}({about['arguments']}):\n{textwrap.indent(lines, '    ')}").body
     assert isinstance(tree, ast.FunctionDef)
@@ -123,7 +125,7 @@ def _written(name: str, about: Mapping[str, str]) -> ast.FunctionDef:
 
 
 def _called(own: Mapping[str, Mapping[str, str]]) -> dict[str, ast.FunctionDef]:
-    """All functions that others call, some as a language has them."""
+    """Syntax trees of all functions that may be called; `own` are those of a language."""
     found = {tree.name: tree for tree in functions(KERNEL.read_text(encoding="utf-8"))}
     for name, about in (*_TEXTS["called"].items(), *own.items()):
         tree = deepcopy(found[about["of"]]) if "of" in about else _written(name, about)
@@ -140,18 +142,18 @@ class _Assigned(NamedTuple):
 
 
 class _Inlined:
-    """A function in which every call of another one is replaced by what that does."""
+    """Lines of a function in which every call is replaced by the lines of the called function."""
 
     def __init__(self, called: Mapping[str, ast.FunctionDef], taken: Iterable[str]):
         self.called = called
-        self.taken = set(taken)  # names
+        self.taken = set(taken)  # names in use
         self.lines: list[_Assigned] = []
         self.routine = ""
-        self.known: dict[str, Value] = {}  # what calls returned
+        self.known: dict[str, Value] = {}  # results by call
         self.steps: set[ast.Name] = set()  # names given in steps
 
     def value(self, node: ast.expr, names: Mapping[str, Value]) -> Value:
-        """What an expression is, in the new names."""
+        """An expression in the new names, with its calls replaced."""
         match node:
             case ast.Name(name):
                 return names.get(name, node)
@@ -173,7 +175,7 @@ class _Inlined:
         raise ValueError(f"{ast.unparse(node)!r} is not in the language")
 
     def call(self, name: str, given: Sequence[Value]) -> Value:
-        """What a function returns."""
+        """Result of a call; its lines are taken over unless an equal call has been."""
         key = f"{name} {_nested(ast.unparse, list(given))}"
         if key not in self.known:
             before = self.routine
@@ -183,7 +185,7 @@ class _Inlined:
         return self.known[key]
 
     def run(self, tree: ast.FunctionDef, given: Sequence[Value]) -> Value:
-        """Take over the lines of a function; returns what it returns."""
+        """Take over the lines of a function and return its result, in the new names."""
         names: dict[str, Value] = {}
         for argument, value in zip(tree.args.args, given, strict=True):
             self.bind(ast.Name(argument.arg), value, names, step=True)
@@ -200,7 +202,7 @@ class _Inlined:
         raise ValueError(f"{tree.name} returns nothing")
 
     def bind(self, target: ast.expr, value: Value, names: dict[str, Value], *, step: bool) -> None:
-        """Give a value its names."""
+        """Give a value its names; an expression becomes a line of its own."""
         match target, value:
             case ast.Tuple(parts), _:
                 for part, one in zip(parts, value, strict=True):
@@ -216,7 +218,7 @@ class _Inlined:
                 self.steps |= {names[name]} if step else set()
 
     def fresh(self, name: str) -> str:
-        """A name that nothing has so far."""
+        """Return a name that nothing has so far, and take it."""
         found, number = name, 1
         while found in self.taken:
             number += 1
@@ -225,7 +227,7 @@ class _Inlined:
         return found
 
     def needed(self, returned: Value) -> Iterator[_Assigned]:
-        """Lines on which what is returned depends, the last first."""
+        """Lines on which the returned value depends, the last first."""
         read: set[str] = set()
 
         def reads(value: ast.expr) -> None:
@@ -239,14 +241,14 @@ class _Inlined:
 
 
 def _nested(function: Any, value: Value) -> Any:
-    """A function of an expression, or of each in a list."""
+    """What a function gives for an expression, or for each one in a nested list."""
     if isinstance(value, list):
         return [_nested(function, part) for part in value]
     return function(value)
 
 
 def _selected(newton: Value, poisson: Value, stronge: Value) -> Value:
-    """What holds under the law that is asked for."""
+    """Value that is chosen among those of the three laws, by the law that is asked for."""
     if isinstance(newton, list):
         return list(map(_selected, newton, poisson, stronge))
     others = _call("select", ast.Name("by_poisson"), poisson, stronge)
@@ -254,10 +256,10 @@ def _selected(newton: Value, poisson: Value, stronge: Value) -> Value:
 
 
 class _Words(ast.NodeTransformer):
-    """Expressions with the names, numbers and choices of another language.
+    """Transformer of expressions into the names, numbers and choices of another language.
 
-    What is no longer Python stands in them as a name, so that Python's own parentheses, which keep
-    the order of operations, are printed around it.
+    Text that is no longer Python stands in an expression as a name. Python then prints its own
+    parentheses around it, which keep the order of operations.
     """
 
     def __init__(self, language: str):
@@ -279,7 +281,7 @@ class _Words(ast.NodeTransformer):
         return ast.Name(f"({condition} ? {first} : {second})")
 
     def text(self, value: ast.expr) -> str:
-        """An expression as text."""
+        """Text of an expression in the other language."""
         return ast.unparse(self.visit(deepcopy(value)))
 
 
@@ -289,8 +291,8 @@ def function(language: str, name: str, about: Mapping[str, str], own: Any) -> Fu
     Parameters
     ----------
     language : "c" or "javascript"
-    name, about : of the function
-    own : functions that the language does in its own way, as those of languages.toml
+    name, about : name of the function, and its entry in languages.toml
+    own : functions that the language has in its own way, by name, like those of languages.toml
     """
     tree, words = _written(name, about), _Words(language)
     arguments = {}
@@ -311,7 +313,7 @@ def function(language: str, name: str, about: Mapping[str, str], own: Any) -> Fu
 
 
 def numbers_of(name: str, record: str) -> Iterator[str]:
-    """Names of all numbers in a record, and of a number its own."""
+    """Names of all numbers in a record, such as given.geometry.X; a number has its own name."""
     if record not in RECORDS:
         yield name
     for field in RECORDS.get(record, ()):
@@ -323,7 +325,7 @@ def _is_flag(value: ast.expr) -> bool:
 
 
 def _folded(text: str) -> str:
-    """A line of a body, on several if it is long."""
+    """Line of a function's body, wrapped if it is long."""
     wrapper = textwrap.TextWrapper(100, "    ", " " * 8)
     wrapper.break_long_words = wrapper.break_on_hyphens = False
     return wrapper.fill(text)

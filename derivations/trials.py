@@ -1,8 +1,9 @@
-"""What the code of one impact is tried on: situations, and numbers that know their roundings.
+"""Situations that try the code of one impact, and numbers that know their roundings.
 
 The letters of a situation are those of the mirror frame, in which the contact slips forward; `side`
-is the direction of slip outside of it. Its numbers are sums of few powers of two, so that edges are
-exact. A `Rounded` number knows what every rounding on its way would add to it, to first order.
+is the direction of slip outside of that frame. The numbers of a situation are sums of few powers of
+two, so that edges are exact. A `Rounded` number knows what every rounding on its way would add to
+it, to first order.
 """
 
 import random
@@ -25,7 +26,7 @@ _CLOSE = mpmath.mpf(2) ** -30  # relative distance to an edge
 
 
 def numbers(seed: int, names: str, least: float = -2, most: float = 2) -> dict[str, mpmath.mpf]:
-    """A number of each name between two bounds, the same for the same seed."""
+    """Random number for each name, between two bounds, reproducible by the seed."""
     draw = random.Random(f"{names} {seed}")
     return {
         name: draw.randrange(1, 2**30) * _CLOSE * (most - least) + least for name in names.split()
@@ -33,7 +34,7 @@ def numbers(seed: int, names: str, least: float = -2, most: float = 2) -> dict[s
 
 
 def _contacts() -> Iterator[dict[str, Any]]:
-    """Contacts of all regimes, at the edges, in the Painleve region."""
+    """Values of letters, by name: contacts of all regimes, at edges and in the Painleve region."""
     for seed in range(48):
         at = numbers(seed, "X Z v_0") | numbers(seed, "k mu u_0", 0.02)
         at |= numbers(seed, "epsilon", 0.1, 0.9) | {"v_0": -abs(at["v_0"])}
@@ -61,7 +62,7 @@ def _contacts() -> Iterator[dict[str, Any]]:
         elif kind in (8, 9) and n * t > 0:  # the slip stops late
             at["v_0"] = -at["u_0"] * n / (t * (1 + at["epsilon"] / 2))
         yield at
-    # To the last digit: no approach; u_* = 0; v_1 = 0; nothing slips and nothing makes it slip.
+    # Exact to the last digit: no approach; u_* = 0; v_1 = 0; no slip, and nothing that starts it.
     for u, v, restitution, friction in (
         (1, 0, 0.5, 0.5),
         (1, -0.5, 1, 0.5),
@@ -70,11 +71,11 @@ def _contacts() -> Iterator[dict[str, Any]]:
     ):
         at = {"X": 0, "Z": -1, "k": 1, "u_0": u, "v_0": v, "epsilon": restitution, "mu": friction}
         yield {letter: mpmath.mpf(value) for letter, value in at.items()}
-    yield {**at, "mu": mpmath.mpf(2) ** 970}  # as good as infinite
+    yield {**at, "mu": mpmath.mpf(2) ** 970}  # friction as good as infinite
 
 
 def situations() -> Iterator[Situation]:
-    """Impacts of a rod on a moving plate, of both sides, with spins that cancel."""
+    """Situations of a rod on a moving plate: slip to either side, also with spins that cancel."""
     for seed, contact in enumerate(_contacts()):
         at = contact | numbers(seed, "omega V_z") | {"side": 1 - 2 * ((seed + seed // 12) % 2)}
         if seed % 5 == 0:
@@ -89,7 +90,7 @@ ROUNDINGS = 256  # twice as many as an impact has
 
 @total_ordering
 class Rounded:
-    """A number, and what each rounding of a run, by its whole size, would add to it."""
+    """Number with what each rounding of a run, as large as the rounded number, would add to it."""
 
     __slots__ = ("errors", "value")
     _names = count()
@@ -99,27 +100,27 @@ class Rounded:
 
     @classmethod
     def of(cls, value: Number) -> "Rounded":
-        """A number as it is; one of the text is exact."""
+        """Return a `Rounded` number as it is, any other one as exact."""
         return value if isinstance(value, cls) else cls(value)
 
     @property
     def error(self) -> float:
-        """Most that its roundings would add, if each were as large as the number it rounds."""
+        """Most that all roundings would add, if each were as large as the number that it rounds."""
         return float(np.abs(self.errors).sum())
 
     def parted(self) -> tuple["Rounded", "Rounded"]:
-        """The number rounded once more, and what that took away."""
+        """Return the number rounded once more, and the part that this rounding took away."""
         rounding = np.zeros(ROUNDINGS)
         rounding[next(self._names) % ROUNDINGS] = self.value
         return Rounded(self.value, self.errors + rounding), Rounded(0, -rounding)
 
     def plus(self, other: Number) -> "Rounded":
-        """The sum before it is rounded."""
+        """Return the sum before it is rounded."""
         other = Rounded.of(other)
         return Rounded(self.value + other.value, self.errors + other.errors)
 
     def times(self, other: Number) -> "Rounded":
-        """The product before it is rounded."""
+        """Return the product before it is rounded, its errors to first order."""
         other = Rounded.of(other)
         errors = float(other.value) * self.errors + float(self.value) * other.errors
         return Rounded(self.value * other.value, errors)
@@ -156,7 +157,7 @@ class Rounded:
         return bool(self.value < Rounded.of(other).value)
 
     def sqrt(self) -> "Rounded":
-        """Square root; nan of what is no square, or of zero if that is rounded."""
+        """Square root; nan of a negative number, and of zero if it has roundings."""
         if self.value <= 0:
             return Rounded(0 if self.value == self.error == 0 else mpmath.nan)
         root = mpmath.sqrt(self.value)
