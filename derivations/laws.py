@@ -1,4 +1,4 @@
-"""Beyond the paper: the same impact under three laws of restitution, and its energy balance.
+"""Beyond the paper: one impact under three laws of restitution, and its energy balance.
 
 Newton (kinematic)  v_f = -epsilon v_0: the paper's law
 Poisson (kinetic)   the impulse after the end of compression is epsilon times the one before
@@ -6,8 +6,8 @@ Stronge (energetic) the work given back by the normal impulse is epsilon^2 times
 
 The normal contact velocity is piecewise linear in the normal impulse: slope a_1 while the contact
 slips forward, up to the impulse P_1 where it stops, slope a_2 afterwards (sticking or slipping
-back). "Early": the slip stops before compression ends (v_1 < 0); "late": after it. A slide is one
-straight line, and there the three laws say the same.
+back). "Early": the slip stops before compression ends (v_1 < 0); "late": after it. In a slide the
+velocity is one straight line, and the three laws agree.
 """
 
 from collections.abc import Callable
@@ -57,7 +57,7 @@ V_1 = v_0 + a_1 * P_1  # normal velocity when the slip stops
 
 
 def read_off(du: sp.Expr, dv: sp.Expr) -> dict[sp.Symbol, sp.Expr]:
-    """Mobilities of a contact whose velocity changes by this under (P_x, P_z)."""
+    """Mobilities A, B, C of a contact, read off its velocity change (du, dv) under (P_x, P_z)."""
     return {A: dv.coeff(P_z), B: -dv.coeff(P_x), C: du.coeff(P_x)}
 
 
@@ -81,12 +81,12 @@ def slopes() -> dict[str, sp.Expr]:
 
 @remembered
 def _restitution() -> sp.Expr:
-    """That of a given kappa."""
+    """Restitution epsilon as a form in kappa."""
     return sp.solve(meaning(kappa) - kappa, epsilon)[0]
 
 
 def _velocity(p: sp.Expr) -> sp.Expr:
-    """Normal velocity after the slip has stopped."""
+    """Normal velocity at a normal impulse, after the slip has stopped."""
     return V_1 + a_2 * (p - P_1)
 
 
@@ -140,7 +140,7 @@ def energy_of_impulse() -> sp.Expr:
 
 
 def _energy(p_x: sp.Expr, p_z: sp.Expr) -> sp.Expr:
-    """Energy change under an impulse, by the mobilities."""
+    """Energy change under an impulse, by the mobilities A, B, C."""
     ends = u_0 + C * p_x - B * p_z, v_0 + A * p_z - B * p_x
     say("The contact velocity after it", "u_0 + C P_x - B P_z", "v_0 + A P_z - B P_x", ends)
     put = dict(zip((P_x, P_z, u_f, v_f), (p_x, p_z, *ends), strict=True))
@@ -149,7 +149,7 @@ def _energy(p_x: sp.Expr, p_z: sp.Expr) -> sp.Expr:
 
 @remembered
 def energy_change(regime: str) -> sp.Expr:
-    """Kinetic energy after minus before under Newton's law, in A, B, C."""
+    """Kinetic energy after minus before an impact of a regime, under Newton's law, in A, B, C."""
     return sp.factor(_energy(*impulse_at(regime, RESTITUTION({}), u_0 / (mu * C + B))))
 
 
@@ -198,9 +198,10 @@ def energy_by_poisson(regime: str, order: str) -> sp.Expr:
 
 
 def _triangles(form: sp.Matrix) -> Residuals:
-    """Work as areas under the broken line of v over P_z: given back, epsilon^2 of what was taken.
+    """Residuals of Stronge's law, with works as areas under the broken line of v over P_z.
 
-    Early: a trapezium up to the corner and a triangle after it are taken.
+    The area given back is epsilon^2 times the area taken. If the slip stops early, a trapezium up
+    to the corner and a triangle after it are taken.
     """
     early, late = form
     corner = v_0 + a_1 * P_1
@@ -213,7 +214,7 @@ def _triangles(form: sp.Matrix) -> Residuals:
 
 
 def _impulses_in_proportion(form: sp.Matrix) -> Residuals:
-    """Poisson: the whole impulse is 1 + epsilon times that up to v = 0."""
+    """Residuals of Poisson's law: the whole impulse is 1 + epsilon times the one up to v = 0."""
     corner = v_0 + a_1 * P_1
     compressed = P_1 - corner / a_2, -v_0 / a_1
     whole = [P_1 + (v - corner) / a_2 for v in form]
@@ -221,7 +222,10 @@ def _impulses_in_proportion(form: sp.Matrix) -> Residuals:
 
 
 def _areas(form: sp.Matrix) -> Residuals:
-    """Work of both forces: areas under the broken lines of v and of u, times -+mu, over P_z."""
+    """Residuals of the energy changes under Poisson's law: work of both forces, as areas.
+
+    The areas are those under the broken lines of v, and of u times -+mu, over P_z.
+    """
     checks = []
     for change, (regime, order) in zip(form, _ENDS, strict=True):
         compressed = (P_1 + P_2) * (1 + kappa) / 2
@@ -239,7 +243,7 @@ def _areas(form: sp.Matrix) -> Residuals:
 
 
 def _created(regime: str, ratio: sp.Expr) -> sp.Expr:
-    """Discriminant of the energy change at kappa = ratio, from whole impacts: zero if right."""
+    """Discriminant of the energy change, from whole impacts: zero at the threshold."""
     restitution = ((1 - ratio) / (1 + ratio)).subs(mobility())
     return second_routes.energy_created(regime).subs(epsilon, restitution)
 
@@ -259,10 +263,10 @@ def _threshold_told(regime: str) -> str:
 
 
 def _poisson_told() -> str:
-    """No term is positive, for either sign of B, where nothing is lost in restitution (kappa = 0).
+    """Note that under Poisson's law no term of the energy change is positive, for either sign of B.
 
-    What is not negative: C, mu C + B where the slip stops, what holds or turns the contact, P_2,
-    and P_1 - P_2 where the slip stops late.
+    At kappa = 0 nothing is lost in restitution. Not negative are C, mu C + B where the slip stops,
+    what holds or turns the contact, P_2, and P_1 - P_2 where the slip stops late.
     """
     b, s, rest = sp.symbols("b s r", nonnegative=True)
     after = sp.Symbol("P_2", nonnegative=True)
@@ -278,7 +282,7 @@ def _poisson_told() -> str:
 
 
 def _under(name: str, shown: Pair, check: Callable[[sp.Matrix], Residuals]) -> Equation:
-    """The entry of the final velocity under a law."""
+    """Entry of the final velocity under a named law, for an early and a late stop."""
     return Equation(
         f"laws: {name}",
         f"$v_f$ under {name}'s restitution: slip stops before the end of compression (early), late",
@@ -290,7 +294,7 @@ def _under(name: str, shown: Pair, check: Callable[[sp.Matrix], Residuals]) -> E
 
 
 def _creates(name: str, regime: str, shown: sp.Expr) -> Equation:
-    """The entry of the threshold of Newton's law in a regime."""
+    """Entry of the threshold at which Newton's law begins to create energy in a regime."""
     return Equation(
         f"laws: energy, {name}",
         lambda: _threshold_told(regime),

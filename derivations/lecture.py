@@ -1,8 +1,8 @@
-"""The report's words: from lecture.toml, as HTML and as plain text; those that are computed.
+"""Words of the report, read from lecture.toml or computed, as HTML and as plain text.
 
 In `the slip $u_0 > 0$ of (14)` the formula is LaTeX, and the number of an equation may become a
-link. Between backquotes stands code. A letter of the table has one meaning; dimensions are
-monomials in mass, length and time, 1 is a number.
+link. Text between backquotes is code. A letter of the table has one meaning. Dimensions are
+monomials in mass, length and time; a plain number has the dimension 1.
 """
 
 import html
@@ -23,18 +23,18 @@ PRINTED = {"Vdot_z": r"\dot V_z", "cprime_x": "c_x'", "cprime_z": "c_z'"}
 
 
 class Part(NamedTuple):
-    """What stands before the entries of a section: paragraphs, then drawings by their names."""
+    """Introduction of a section, before its entries: paragraphs, then drawings by their names."""
 
     text: tuple[str, ...]
     drawings: tuple[str, ...] = ()
 
     def said(self, words: Mapping[str, Any]) -> "Part":
-        """The same with words that are computed."""
+        """Return the introduction with computed words put into its paragraphs."""
         return self._replace(text=tuple(paragraph % words for paragraph in self.text))
 
 
 class Letter(NamedTuple):
-    """One line of the table."""
+    """One line of the table of letters."""
 
     name: str  # of the symbol
     meaning: str
@@ -74,7 +74,7 @@ _PLAIN = ((r"\ge", ">="), (r"\le", "<="), (r"\to", "->"), (r"\cdot", "."), (r"\,
 
 
 def _parts(text: str) -> Iterator[tuple[bool, str]]:
-    """Split a sentence at its dollar signs: (whether it is a formula, text)."""
+    """Parts of a sentence, split at its dollar signs: (whether it is a formula, text)."""
     return ((i % 2 == 1, part) for i, part in enumerate(text.split("$")))
 
 
@@ -95,7 +95,7 @@ def to_html(text: str, link: Callable[[str], str] = "".format) -> str:
 
 
 def to_text(text: str) -> str:
-    """A sentence for a terminal: c_x', mu, k^2."""
+    """Plain text of a sentence, for a terminal: c_x', mu, k^2."""
     for sign, plain in _PLAIN:
         text = text.replace(sign, plain)
     text = re.sub(r"\^\{(\w+/\w+)\}", r"^(\1)", text)
@@ -113,23 +113,23 @@ EXERCISES = {  # by the entry whose note answers it
 
 
 def meaning(letter: sp.Symbol, *others: sp.Symbol) -> sp.Expr:
-    """What a letter stands for, by the formula of its meaning, which may have other letters."""
+    """Expression that a letter stands for, read from its meaning; `others` may stand in it, too."""
     known = paper.LETTERS | {latex(x): x for x in others}
     return paper.read(_MEANINGS[letter.name].split("$")[1], known)
 
 
 def number(value: sp.Expr, digits: int = 2) -> str:
-    """A value with so many digits that count, such as 0.76."""
+    """Text of a value with so many significant digits, such as 0.76."""
     return f"{float(f'{float(value):.{digits}g}'):.12g}"
 
 
 def degrees(angle: sp.Expr, digits: int = 1) -> str:
-    """An angle in rad, said in degrees."""
+    """Text of an angle, given in rad, in degrees with so many decimals."""
     return f"{float(sp.deg(angle)):.{digits}f}".removesuffix(".0") + " degrees"
 
 
 def formula(form: sp.Expr) -> str:
-    """A form between dollar signs."""
+    """LaTeX of a form between dollar signs."""
     return f"${latex(form)}$"
 
 
@@ -147,7 +147,7 @@ def falls(form: sp.Expr, letter: sp.Symbol, zero: sp.Expr) -> bool:
 
 
 def largest(form: sp.Expr, letter: sp.Symbol, there: sp.Expr, at: Mapping = {}) -> bool:
-    """Whether a form of a letter is larger there than on either side."""
+    """Whether a form of a letter is larger at the value `there` than 10 % below and above it."""
     here, *beside = (form.subs(letter, there * x).subs(at).evalf() for x in (1, 0.9, 1.1))
     return here > max(beside)
 
@@ -155,7 +155,7 @@ def largest(form: sp.Expr, letter: sp.Symbol, there: sp.Expr, at: Mapping = {}) 
 def negative(form: sp.Expr | sp.MatrixBase, put: Mapping = {}) -> bool:
     """Whether a form is negative for any positive lengths, speeds and friction, 0 < epsilon < 1.
 
-    `put` says what letters stand for first.
+    `put` has what letters stand for, and is put in first.
     """
     inelastic = sp.Symbol("loss", positive=True)  # (1 - epsilon)/epsilon
     sizes = X, Z, k, mu, V_z, sp.sin(phi), sp.cos(phi)
@@ -163,7 +163,7 @@ def negative(form: sp.Expr | sp.MatrixBase, put: Mapping = {}) -> bool:
     return all(sp.factor(x.subs(put).subs(letters)).is_negative for x in components(form))
 
 
-SENSES: Mapping[str, Callable[..., bool]] = {  # what a word claims; of several the first one
+SENSES: Mapping[str, Callable[..., bool]] = {  # tests of what a word claims; the first that fits
     "never positive": lambda terms: all(term.is_nonpositive for term in terms),
     "negative": negative,
     "positive": lambda form, *put: negative(-form, *put),
@@ -175,7 +175,7 @@ SENSES: Mapping[str, Callable[..., bool]] = {  # what a word claims; of several 
 
 
 def so(words: str, *claimed: Any) -> str:
-    """Words, if what one of `SENSES` in them claims is true; ValueError where it is not.
+    """Return words if what one of `SENSES` in them claims is true; else raise ValueError.
 
     "Above" and "below" say on which side of its zero a form of a letter is positive.
     """

@@ -76,14 +76,14 @@ def equation(tag: str | int, *, printed: bool = False) -> Form:
 
 
 def _real(name: str, value: Any) -> Any:
-    """Convert to floating point; labels of pandas and xarray stay."""
+    """Convert a real argument to floating point; labels of pandas and xarray stay."""
     if np.asarray(value).dtype.kind not in "biuf":
         raise TypeError(f"{name} must be a real number or an array of them, got {value!r}")
     return np.multiply(1.0, value)
 
 
 def _spread(value: Any, shape: tuple[int, ...]) -> Any:
-    """Broadcast a constant to the shape of the arguments."""
+    """Broadcast a constant result to the shape of the arguments; an array stays as it is."""
     if isinstance(value, bool | int | float):
         return np.full(shape, value if isinstance(value, bool) else float(value))[()]
     return value
@@ -112,7 +112,8 @@ def function(tag: str | int) -> Callable[..., Any]:
 
     Notes
     -----
-    Evaluated as it is written: what cancels costs digits. `impact` has the functions that do not.
+    The form is evaluated as it is written, and where it cancels, digits are lost. The functions of
+    `impact` keep them.
 
     Examples
     --------

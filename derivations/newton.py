@@ -64,7 +64,7 @@ def spin_jump(p_x: sp.Expr, p_z: sp.Expr) -> sp.Expr:
 
 
 def _turned(lever: Lever, order: int) -> sp.Matrix:
-    """Derivative of a body point's place with respect to the turn of the body."""
+    """Derivative, of a given order, of a body point's place by the body's turn, at zero turn."""
     place = RIGID({xi: lever[0], zeta: lever[1]})
     rate = place.diff(turn, order).subs(turn, 0)
     power = "" if order == 1 else f"^{order}"

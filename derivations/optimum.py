@@ -82,7 +82,7 @@ def least_painleve_friction() -> Pair:
 
 
 def _is_largest(case: str, form: sp.Matrix) -> Residuals:
-    """What a drift differs by from that of whole impacts, and its slope, vanish together in T.
+    """Residuals of a largest drift: whole impacts give it at its T, and there their slope is zero.
 
     No tilt gives more. Plate velocity and Z are one.
     """
@@ -92,7 +92,7 @@ def _is_largest(case: str, form: sp.Matrix) -> Residuals:
 
 
 def _response(case: str) -> sp.Matrix:
-    """Landings a unit apart in c_x and in c_z, from whole impacts."""
+    """Matrix of the landing map, from whole impacts of landings a unit apart in c_x and in c_z."""
     v_x, v_z, _ = second_routes.landed(case)
     after = sp.Matrix([v_x, -v_z])
     at = {c_x: 0, c_z: 0}
@@ -100,7 +100,7 @@ def _response(case: str) -> sp.Matrix:
 
 
 def _margins(form: sp.Matrix) -> Residuals:
-    """The characteristic polynomial at 1 and -1, and one minus its end."""
+    """Residuals of the margins: characteristic polynomial at 1 and -1, one minus its value at 0."""
     x = sp.Symbol("x")
     checks = []
     for case, start in zip(CASES, (0, 3), strict=True):
@@ -112,7 +112,7 @@ def _margins(form: sp.Matrix) -> Residuals:
 
 
 def _slide_from_the_landing(form: sp.Matrix) -> Residuals:
-    """What a slide would leave of the slip, from a whole impact that starts at the landing."""
+    """Residuals of the slip that a slide leaves, from a whole impact that starts at the landing."""
     v_x, _, spin = second_routes.landed("slide")
     left = v_x - spin * Z
     checks = []
@@ -123,12 +123,12 @@ def _slide_from_the_landing(form: sp.Matrix) -> Residuals:
 
 
 def _pressed_in(form: sp.Expr) -> Residuals:
-    """From rest, an impulse (mu, 1) leaves the contact's normal velocity at zero."""
+    """Residual of Painleve's friction: from rest, an impulse (mu, 1) gives no normal velocity."""
     return [1 + X * (X - Z * form) / k**2]  # what it gives the centre, and X times the spin
 
 
 def _least_pressed_in(form: sp.Matrix) -> Residuals:
-    """The same for a thin rod, as a quadratic in T: a double root."""
+    """Residuals of a thin rod's least Painleve friction: a quadratic in T has a double root."""
     friction = sp.Symbol("nu")
     curve = (1 + T**2) / 3 + T * (T - friction)
     return [part.subs({T: form[0], friction: form[1]}) for part in (curve, curve.diff(T))]
@@ -145,7 +145,7 @@ def _best_told(case: str) -> str:
 
 
 def _best(regime: str, case: str, equation: str, shown: Pair) -> Equation:
-    """The entry of the best tilt in a regime, whose drift is that of an equation."""
+    """Entry of the best tilt in a regime, whose drift is that of a numbered equation."""
     words = rf"$\tan\phi$ of the largest drift ({equation}) of a thin rod, and it over $V_z$"
     return Equation(
         f"V: optimum, {regime}",
@@ -159,7 +159,10 @@ def _best(regime: str, case: str, equation: str, shown: Pair) -> Equation:
 
 
 def _where_it_holds(words: str, forms: Callable[[str], sp.Matrix]) -> str:
-    """Words on the sign of forms in both regimes; a slip reverses for XZ > mu (k^2 + Z^2)."""
+    """Return words on the sign of forms if true in both regimes; else raise ValueError.
+
+    A slip reverses for XZ > mu (k^2 + Z^2).
+    """
     reversing = {X: mu * (k**2 + Z**2) / Z + sp.Symbol("room", positive=True)}
     so(words, forms("stick"))
     return so(f"{words} wherever the regime holds", forms("back"), reversing)

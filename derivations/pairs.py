@@ -1,4 +1,4 @@
-"""Beyond the paper: two bodies that meet at a point, and the rod that would do the same.
+"""Beyond the paper: two bodies that meet at a point, by the theory of a rod on a plate.
 
 The contact point is the origin, z points from the second body to the first; the impulse P acts on
 the first, its opposite on the second. The contact velocity of the first relative to the second
@@ -18,7 +18,7 @@ from .proof import Equation
 from .symbols import P_x, P_z, X, Z, c_x, c_z, k, m, omega, u_f, v_f
 from .trace import derived
 
-# The letters of a rod, and what stands for them in each body.
+# Letters of each body, by those of a rod.
 FIRST, SECOND = (
     {
         x: sp.Symbol(f"{x}_{i}", real=True, positive=x.is_positive)
@@ -52,7 +52,7 @@ def determinant() -> sp.Expr:
 
 @cache
 def _kinetic_energy() -> sp.Expr:
-    """Of both bodies after P; the spin of each about the contact point stays what it was."""
+    """Kinetic energy of both bodies after P; each keeps its spin about the contact point."""
     energy = sp.S.Zero
     for letters, sign in ((FIRST, 1), (SECOND, -1)):
         M, K, x, z, v_x, v_z, spin = letters.values()
@@ -63,12 +63,15 @@ def _kinetic_energy() -> sp.Expr:
 
 
 def _answers() -> sp.Matrix:
-    """How the contact velocity, the gradient of that energy, answers to P: C, -B and -B, A."""
+    """Response (C, -B; -B, A) of the contact velocity, the gradient of the energy by P, to P."""
     return sp.hessian(_kinetic_energy(), (P_x, P_z))
 
 
 def _kinetic_energies(form: sp.Expr) -> Residuals:
-    """Kinetic energy of both bodies after minus before; its gradient is the contact velocity."""
+    """Residual of the energy change: kinetic energy of both bodies after minus before.
+
+    The gradient of the kinetic energy by P is the contact velocity.
+    """
     energy, nothing = _kinetic_energy(), {P_x: 0, P_z: 0}
     before = {x: form.subs(FIRST) - form.subs(SECOND) for x, form in approach().items()}
     contact = {**before, u_f: energy.diff(P_x), v_f: energy.diff(P_z)}
@@ -76,7 +79,7 @@ def _kinetic_energies(form: sp.Expr) -> Residuals:
 
 
 def _sum(form: sp.Expr) -> sp.Expr:
-    """A form of one body, of both."""
+    """Sum of a form of one body over both bodies."""
     return form.subs(FIRST) + form.subs(SECOND)
 
 

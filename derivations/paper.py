@@ -1,7 +1,7 @@
 """The paper's formulas and sentences (paper.toml), and LaTeX read as SymPy expressions.
 
 A slash divides by the number or letter behind it, or by 2 pi, or 2 sqrt(3): 3/2 h_0 is three halves
-of h_0. The products of a vector formula, (1) to (4), are those of columns of components.
+of h_0. In a vector formula, (1) to (4), products are those of columns of components.
 """
 
 import hashlib
@@ -29,12 +29,12 @@ class Formula(NamedTuple):
 
     @property
     def sides(self) -> list[str]:
-        """What is equal, of which (7) and (14) end with a condition, too."""
+        """Sides between equals signs, without the condition > 0 at the end of (7) and (14)."""
         return re.split(r" (?:=|\\equiv) ", self.tex.removesuffix(" > 0"))
 
     @property
     def left(self) -> str:
-        """Left side of an equation; nothing of a bare formula or a condition."""
+        """Left side of an equation; empty for a bare formula or a condition."""
         return self.sides[0] if len(self.sides) > 1 else ""
 
     @property
@@ -50,12 +50,12 @@ NOTED = _TEXTS["noted"]
 
 
 def sealed() -> bool:
-    """Whether paper.toml is what was compared with our copy."""
+    """Whether paper.toml is unchanged since it was compared with our copy of the paper."""
     return hashlib.sha256(SOURCE).hexdigest()[:16] == DIGEST
 
 
 def bare(left: str) -> str:
-    """A left side without what does not change its meaning."""
+    """A left side for comparison: without spaces and braces, primes behind subscripts."""
     return re.sub(r"'(_\w)", r"\1'", re.sub(r"[\s{}]|\\,", "", left))
 
 
@@ -87,7 +87,7 @@ def value_of(left: str, letters: Mapping[str, Any]) -> sp.Expr:
 
 
 class _Reader:
-    """The parts of a formula, read one after the other."""
+    """Reader of a LaTeX formula, which takes its parts one after the other."""
 
     def __init__(self, tex: str, letters: Mapping[str, Any]):
         names = map(re.escape, sorted(letters, key=len, reverse=True))
@@ -105,7 +105,7 @@ class _Reader:
         return found
 
     def sum(self) -> Any:
-        """A sum; a column if its terms are columns."""
+        """Read a sum; it is a column if its terms are columns."""
         terms: list[Any] = []
         while not terms or self.comes("+") or self.rest[-1] == "-":
             sign = -1 if self.comes("-") else 1
@@ -113,7 +113,7 @@ class _Reader:
         return sum(terms[1:], terms[0])
 
     def product(self) -> Any:
-        """A product, of columns where its factors are columns."""
+        """Read a product, one of columns if its factors are columns."""
         value = self.power()
         while self.rest[-1] not in ("", "d\\theta", *"+-)]}<>"):
             if self.comes("/"):
@@ -127,12 +127,12 @@ class _Reader:
         return value
 
     def power(self) -> Any:
-        """A factor with its exponent."""
+        """Read a factor with its exponent."""
         base = self.factor()
         return base ** self.factor() if self.comes("^") else base
 
     def factor(self) -> Any:
-        """A letter, a number, a bracket, a fraction, a root, a function or an integral."""
+        """Read a letter, number, bracket, fraction, root, function or integral."""
         part = self.rest.pop()
         if part in self.letters:
             return self.letters[part]
@@ -155,7 +155,7 @@ class _Reader:
 
 
 def read(tex: str, letters: Mapping[str, Any]) -> Any:
-    """Expression of a formula; a column of components where its letters stand for columns."""
+    """Expression of a LaTeX formula; a column of components if its letters stand for columns."""
     reader = _Reader(tex, letters)
     with distribute(False):
         value = reader.sum()
@@ -166,7 +166,7 @@ def read(tex: str, letters: Mapping[str, Any]) -> Any:
     return value
 
 
-# The letters as the paper writes them, and what (7) and (B3) write for an impulse.
+# Letters by their LaTeX in the paper, and impulses as (7) and (B3) write them.
 LETTERS: dict[str, Any] = {
     ("\\" if name.partition("_")[0] in _GREEK else "") + name: letter
     for name, letter in s.NAMED.items()
@@ -201,7 +201,7 @@ _LETTERS_OF_VECTORS = {
 
 
 def setting(figure: str) -> dict[sp.Expr, sp.Rational]:
-    """The numbers of a caption."""
+    """Values of letters that the caption of a figure gives."""
     pairs = (text.split(" = ") for text in _TEXTS["settings"][figure])
     return {read(left, LETTERS): sp.Rational(value) for left, value in pairs}
 
@@ -210,15 +210,15 @@ TWO_SUMS = ("IV: condition for phi_c", *(tag for tag in EQUATIONS if tag.startsw
 
 
 def left_of(tag: str) -> str:
-    """Left side of the value of `printed`."""
+    """Left side that goes with `printed`; "0" for an equation between two sums."""
     return "0" if tag in TWO_SUMS else EQUATIONS[tag].left
 
 
 @cache
 def printed(tag: str) -> Any:
-    """Right side of a formula of the paper; the components of a vector in the plane.
+    """Right side of a formula of the paper; for a vector, its components in the plane.
 
-    Of an equation between two sums, the left side less the right one.
+    For an equation between two sums it is the left side less the right one.
     """
     formula, letters = EQUATIONS[tag], LETTERS | _LETTERS_OF_VECTORS
     found = read(formula.right, letters)
