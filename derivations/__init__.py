@@ -1,7 +1,7 @@
 """The paper, derived from Newton's laws with SymPy and compared with what is printed.
 
-`equation` gives any of them as an expression, `function` as a NumPy function; `symbols` holds the
-letters, with their signs:
+`equation` gives one of its equations as an expression, `function` as a NumPy function; `symbols`
+holds the letters, with their signs:
 
 >>> import derivations
 >>> from derivations import symbols
@@ -17,9 +17,9 @@ From a shell: `python -m derivations check`, `report`, `generate`.
 
 Files, as one reads them
 ------------------------
-symbols, paper                      the paper's letters; its formulas (paper.toml), read
+symbols, paper                      the paper's letters; its formulas, read from paper.toml
 equality, proof                     whether forms are equal; an equation, its verdict, its proof
-axioms, trace                       what is assumed; what a derivation rests on, noted
+axioms, trace                       what is assumed; the steps that a derivation rests on
 newton                              (1)-(6): the contact point's equations of motion
 slide, slip_stick, slip_reversal    (7)-(22), (B1)-(B12): the regimes of an impact
 bodies, thin_rod, drift             rods; boundaries, (23); stationary translation, (24)-(31)
@@ -28,7 +28,7 @@ landing_phases                      landing phases by the flux of impacts, and V
 laws, pairs                         other restitutions, energy; any two bodies
 statements                          sentences of the text; dimensions of Appendix A
 second_routes                       whole impacts from conservation laws, for the proofs
-texts                               what sentences say of equations and letters, compared; the
+texts                               checks of what sentences say of equations and letters; the
                                     seal of the words that were read
 registry                            all entries: the paper's way first, then what is new
 rewrites                            rules that make a form compute well, each one proved
@@ -51,16 +51,16 @@ To add an equation
    A step that is worth a name is marked `@derived` with the left sides of its values; the first
    line of its docstring is the sentence that a reader finds there. `say` adds a line between.
 2. An `Equation` in that module's `EQUATIONS`, or `BEYOND` if the paper does not have it, holds
-   its words beside its form: what the paper prints stands under its tag in paper.toml, `shown`
-   is a form that reads better than the derived one. Its verdict is "agrees" if there is none, or
+   its words beside its form. What the paper prints stands under its tag in paper.toml; `shown`
+   is a form that reads better than the derived one. Its verdict is "agrees" by default. It is
    "erratum" with the `repair` that makes the printed form right and the formulas that contradict
-   it; a result that the paper does not have is "new" and needs a second route, `check` (module
-   `proof`). Numbers in a note are computed; words that hang on a computation are said by
-   `lecture.so`, which refuses them where it is not so. Formulas in sentences stand between dollar
-   signs; a left side such as v_f - v_1 is read and has its step's value (module `trace`). Its
-   letters stand in lecture.toml, with their dimensions; "(5)" is what was taken (module `texts`).
-   Who changes words reads them beside their forms, on the page, and renews their seal, which
-   `check` asks for: `texts.READ`.
+   it. A result that the paper does not have is "new" and needs a second route, `check` (module
+   `proof`). Numbers in a note are computed. Words that depend on a computation go through
+   `lecture.so`, which refuses them if they are not true. Formulas in sentences stand between
+   dollar signs; a left side such as v_f - v_1 is read and must have its step's value (module
+   `trace`). Its letters stand in lecture.toml, with their dimensions. A number such as (5) must be
+   that of an equation whose value was taken (module `texts`). Whoever changes words reads them
+   beside their forms, on the page, and renews their seal, `texts.READ`, which `check` asks for.
 3. If it should be a function: a `Function` in `closed_forms.py` derives its outputs;
    functions.toml has its words, and the assignments that compute it well, as they are generated
    (module `rewrites` proves them).
@@ -71,7 +71,7 @@ impact/_generated.py and EQUATIONS.md, `report` shows it.
 How it becomes public stands in `help(impact)`.
 """
 
-from . import early_signals  # noqa: F401  (before what takes long)
+from . import early_signals  # noqa: F401  (before slow imports)
 
 # isort: split
 import os
@@ -88,7 +88,7 @@ __all__ = ["equation", "function", "symbols"]
 
 
 def __getattr__(name: str) -> str:
-    """Version, found only when asked for; a checkout that is not installed has none."""
+    """Look up the version, only when it is asked for; a checkout that is not installed has none."""
     if name == "__version__":
         from importlib.metadata import version
 

@@ -1,6 +1,6 @@
 """Every equation and every checked statement: the paper's way first, then what is new.
 
-`ENTRIES` holds them all, `SECTIONS` the same under titles.
+`ENTRIES` holds all of them, `SECTIONS` groups them under titles.
 
 >>> from derivations import registry
 >>> (entry,) = (entry for entry in registry.ENTRIES if entry.tag == "10")
@@ -86,15 +86,15 @@ class Row:
     """One line of the table that `check` prints.
 
     tag : the paper's equation number, or the section and a key word
-    what : is stated
+    what : what is stated
     verdict : on the printed form
-    proved : whether the verdict stood; never of what is noted
+    proved : whether the verdict stood; False for what is noted
     note : what is right, where the paper is not
     evidence : what the proof found
-    computed : whether nothing stopped its computation
-    contradicted_by : printed formulas that give the derived form
+    computed : whether nothing stopped the proof's computation
+    contradicted_by : tags of printed formulas that give the derived form
     repair : what makes the printed form right
-    mistake : or by which the printed value comes out
+    mistake : by what mistake the printed value comes out, if there is no repair
     rests_on : tags of the axioms that the derivation used
     """
 
@@ -124,11 +124,11 @@ class Row:
 
 
 def proved(number: int) -> Row:
-    """Prove one entry.
+    """Prove one entry; its row for the table.
 
     Parameters
     ----------
-    number : its place in `ENTRIES`
+    number : place of the entry in `ENTRIES`
     """
     entry: Any = ENTRIES[number]
     proof = entry.prove()
@@ -154,8 +154,8 @@ def check(progress: Progress = iter, over: Any = map) -> list[Row]:
     Parameters
     ----------
     progress : may wrap the iteration in a progress bar
-    over : maps a function over numbers, as `map` does; `imap` of a pool of processes proves side by
-        side
+    over : maps a function over numbers, as `map` does; with `imap` of a pool, processes prove side
+        by side
 
     Returns
     -------

@@ -1,8 +1,8 @@
 """The derivation as one page to read: HTML with MathML, no script, no network.
 
-It is for a lecture: the registry's sections with their text and drawings (`lecture`), each equation
-with its steps, in print only where that differs, and its verdict in the margin; letters, exercises,
-references.
+The page is for a lecture. It has the registry's sections with their text and drawings (module
+`lecture`), and letters, exercises and references. Each equation has its steps, and its verdict in
+the margin; both its printed and its derived form are shown only where they differ.
 """
 
 import re
@@ -36,7 +36,7 @@ def anchor(tag: str) -> str:
 
 
 def _named(tag: str) -> str:
-    """(12) for 12, (B3), second line for B3: second line; others with their letters as formulas."""
+    """Name of a tag: (12) for 12, (B3), second line for B3: second line; others as they are."""
     found = _NUMBERED.fullmatch(tag)
     if found:
         return f"({found[1]})" + (f", {found[2]}" if found[2] else "")
@@ -55,7 +55,7 @@ def forms(entry: Entry) -> list[tuple[str, Form]]:
 
 
 def _lines_of(entry: Equation, label: str, form: Form) -> list[list[str]]:
-    """LaTeX of a form of an entry: the paper's own where it is printed, with the repairs made."""
+    """LaTeX of a form of an entry: the paper's own if it prints one, repaired where derived."""
     if not entry.own or (label != PRINTED and not entry.repair):
         return equations(entry.lefts, form)
     texts = [paper.EQUATIONS[tag].tex for tag in dict.fromkeys(entry.own)]
@@ -111,17 +111,17 @@ def _page(template: str, title: str, about: str, style: str = "", **values: Any)
 
 
 def document(title: str, about: str, main: str, style: str = "") -> str:
-    """Return a whole page in the style of this one, with more `style` if given."""
+    """HTML of a whole page in the style of the report, with more CSS in `style` if given."""
     return _page("page.html", title, about, style, main=Markup(main)) + "\n"
 
 
 def counted(verdicts: Iterable[str]) -> str:
-    """How often each verdict is given, and what it means, as a table in HTML."""
+    """Table in HTML of how often each verdict is given and what it means."""
     return _html.get_template("verdicts.html").render(counts=Counter(verdicts)).strip()
 
 
 def prepared() -> dict[str, Any]:
-    """What the page has beside proofs: steps by the tags of equations, drawings by their names."""
+    """Parts of the page that need no proof: steps by equations' tags, SVG drawings by names."""
     equations = [x for _, entries in SECTIONS for x in entries if isinstance(x, Equation)]
     reader = Reader(equations)
     return {
@@ -131,7 +131,7 @@ def prepared() -> dict[str, Any]:
 
 
 def html(rows: Sequence[Row], prepared: Mapping[str, Any], progress: Progress = iter) -> str:
-    """Return the page of proofs and what is `prepared` beside them.
+    """HTML of the report, made of the rows of all proofs and what `prepared` returns.
 
     `progress` may wrap the iteration over entries and functions.
     """

@@ -1,8 +1,8 @@
 """Named rules that turn derived expressions into ones that compute well.
 
-A rule maps the body of a function (ordered assignments) to an equal one; the last one gives those
-of functions.toml, which are generated. `rewrite` proves the equality after every rule, with all
-abbreviations written out again, and counts the operations; a rule that changed a value raises
+A rule maps the body of a function (ordered assignments) to an equal one. The last rule gives the
+assignments of functions.toml, which are generated. After every rule `rewrite` proves the equality,
+with all abbreviations written out, and counts the operations. A rule that changed a value raises
 `RewriteError`.
 """
 
@@ -27,7 +27,7 @@ Body = dict[sp.Symbol, sp.Expr]
 WORDS = tomllib.loads(resources.files(__package__).joinpath("functions.toml").read_text("utf-8"))
 
 # Abbreviations of the generated code. N and T are k^2 times what a unit of normal impulse adds to
-# v and takes from u in forward slip; N_back, T_back the same in backward slip.
+# v and takes from u in forward slip, N_back and T_back those in backward slip.
 N, T, N_back, T_back = sp.symbols("N T N_back T_back", real=True)
 K, K_z = sp.symbols("K K_z", positive=True)  # k^2 + X^2 + Z^2 and k^2 + Z^2
 w, r = sp.symbols("w r", real=True)  # a_2 P_1 and a_2/a_1
@@ -35,7 +35,7 @@ _OWN = N, T, N_back, T_back, K, K_z, w, r, A, B, C
 
 
 class Letters(dict[str, sp.Symbol]):
-    """Letters by their names; one that is not known stands for any number."""
+    """Letters by their names; an unknown name stands for any real number."""
 
     def __missing__(self, name: str) -> sp.Symbol:
         return sp.Symbol(name, real=True)
@@ -46,7 +46,7 @@ LETTERS = Letters(NAMED | {letter.name: letter for letter in _OWN})
 
 @remembered
 def responses() -> Body:
-    """N, T, N_back, T_back in X, Z, k, mu: read off the change of the contact velocity."""
+    """N, T, N_back, T_back in X, Z, k, mu, read off the change of the contact velocity."""
     found: Body = {}
     for along, up, direction in ((T, N, 1), (T_back, N_back, -1)):
         u, v = contact_change(slide.friction(P_z, direction), P_z)
@@ -75,7 +75,7 @@ class RewriteError(ArithmeticError):
 
 
 def written_out(body: Body, meaning: Body) -> Body:
-    """The assignments with earlier ones and all abbreviations substituted."""
+    """Assignments of a body with earlier ones and all abbreviations substituted."""
     known: Body = {}
     for symbol, expr in body.items():
         known[symbol] = expr.subs(known).subs(meaning)
@@ -83,12 +83,12 @@ def written_out(body: Body, meaning: Body) -> Body:
 
 
 def operations(body: Body) -> int:
-    """Arithmetic operations of a body."""
+    """Number of arithmetic operations in a body."""
     return sp.count_ops([*body.values()])
 
 
 def rewrite(derived: Body, rules: tuple[Rule, ...], meaning: Body) -> tuple[Body, dict[str, int]]:
-    """Apply the rules in order; after each, every output must still equal its derived form.
+    """Apply rules in order and prove after each that every output equals its derived form.
 
     Returns the body, and how many operations each rule left.
     """
@@ -115,11 +115,11 @@ SINGLE_FRACTION = Rule(
 class Function:
     """One generated function, in the words of functions.toml.
 
-    name : of the function
+    name : name of the function
     derived : gives the outputs by their names
     first : rules that come before the one of functions.toml
     meaning : what abbreviations among its letters stand for
-    letters : by their names
+    letters : letters of the assignments, by their names
     """
 
     name: str
@@ -130,27 +130,27 @@ class Function:
 
     @property
     def words(self) -> Mapping[str, str]:
-        """Its sentences, arguments and assignments."""
+        """Sentences, arguments and assignments of the function in functions.toml."""
         return WORDS[self.name]
 
     @property
     def arguments(self) -> list[sp.Symbol]:
-        """Letters of its arguments."""
+        """Letters of the function's arguments."""
         return [self.letters[name] for name in self.words["arguments"].split()]
 
     @cached_property
     def outputs(self) -> Body:
-        """What it gives, as derived."""
+        """Outputs of the function, as derived, by their letters."""
         return {self.letters[str(name)]: form for name, form in self.derived().items()}
 
     @property
     def lines(self) -> dict[str, str]:
-        """Its assignments, as they are generated: plain arithmetic by the names of its values."""
+        """Assignments as they are generated: text of plain arithmetic, by the name of its value."""
         return dict(line.split(" = ") for line in self.words["text"].strip().splitlines())
 
     @property
     def rules(self) -> tuple[Rule, ...]:
-        """All of its rules."""
+        """All rules of the function; the last gives the assignments of functions.toml."""
         body = {}
         for name, form in self.lines.items():
             if "**" in form:

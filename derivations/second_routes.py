@@ -1,4 +1,4 @@
-"""Impacts a second time, for proofs: conservation laws, and all equations of an impact at once.
+"""Second routes to whole impacts, for proofs: conservation laws and one system of equations.
 
 Nothing here uses the contact point's equations of motion, (5) and (6): the spin about the contact
 point is conserved, since the impulse passes through it, and the rest is a linear system.
@@ -21,7 +21,7 @@ def _spin_about_contact(state: State) -> sp.Expr:
 
 @cache
 def impact(regime: str) -> State:
-    """(c_x', c_z', omega') of "slide", "stick" or "back", under kinematic restitution."""
+    """(c_x', c_z', omega') after a "slide", "stick" or "back", under kinematic restitution."""
     before: State = (c_x, c_z, omega)
     after: State = sp.symbols("a_x a_z a_w")
     stopped: State = sp.symbols("s_x s_z s_w")
@@ -55,7 +55,7 @@ def impact(regime: str) -> State:
 
 
 def landed(regime: str) -> State:
-    """The same after a landing without spin."""
+    """(c_x', c_z', omega') after a landing without spin in a regime."""
     v_x, v_z, spin = (part.subs(omega, 0) for part in impact(regime))
     return v_x, v_z, spin
 
@@ -64,12 +64,12 @@ def landed(regime: str) -> State:
 def energy_created(regime: str) -> sp.Expr:
     """Discriminant of the energy change in c_x: zero where an impact can just create energy.
 
-    No spin before, the plate at rest.
+    There is no spin before, and the plate is at rest.
     """
     v_x, v_z, spin = landed(regime)
     change = v_x**2 + v_z**2 + k**2 * spin**2 - c_x**2 - c_z**2  # twice, per unit mass
     a, b, c = sp.Poly(change.subs({V_z: 0, c_z: -1}), c_x).all_coeffs()
-    return b**2 - 4 * a * c  # SymPy's own takes seconds
+    return b**2 - 4 * a * c  # SymPy's own discriminant takes seconds
 
 
 @cache

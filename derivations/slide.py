@@ -39,7 +39,7 @@ def impulse() -> Pair:
 
 
 def by_speeds(form: sp.Expr) -> sp.Expr:
-    """A form that is linear in u_0 and v_0 with one factored coefficient of each."""
+    """A form that is linear in u_0 and v_0, written with one factored coefficient of each."""
     alone = form.subs({u_0: 0, v_0: 0})
     return alone + sum(sp.factor(form.diff(speed)) * speed for speed in (u_0, v_0))
 
@@ -74,7 +74,7 @@ _REPAIR = Repair(r"{\mu(k^2 + Z^2) + XZ}", r"{k^2 + X^2 + \mu XZ}")
 
 
 def _impulse_put_in(impulse_of: sp.Expr, velocity: sp.Expr) -> sp.Expr:
-    """A printed impulse in the printed equation of a velocity of the centre."""
+    """Velocity of the centre by its printed equation, with a printed impulse put in."""
     return velocity.subs({P_x: impulse_of, P_z: impulse_of}).subs(approach())
 
 

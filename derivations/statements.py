@@ -63,14 +63,14 @@ def restitution_lost() -> sp.Expr:
 
 
 def _relaxed(form: sp.Expr) -> Residuals:
-    """Two landings whose c_x differ by one: how fast friction brings them together."""
+    """Residual of mu n: how fast friction brings together two landings whose c_x differ by one."""
     after = second_routes.landed("back")[0]
     left = after.subs(c_x, 1) - after.subs(c_x, 0)
     return [form * left.diff(mu).subs(mu, 0) + 1]
 
 
 def _lost_by_quadrature(form: sp.Expr) -> Residuals:
-    """The work over the path in and out, by numbers, over twice the energy."""
+    """Residual of 1 - e: work over the path in and out, by quadrature, over twice the energy."""
     with mpmath.workdps(DIGITS + 30):
         k, gamma, m, v = map(mpmath.mpf, range(2, 6))
         deepest = (5 * m * v**2 / (4 * k)) ** mpmath.mpf("0.4")
@@ -171,7 +171,7 @@ _LENGTHS = {MASS: sp.Integer(1), LENGTH: sp.Integer(4), TIME: sp.Integer(1)}
 
 
 def _law(name: str) -> str:
-    """Tag of the force law of a constant."""
+    """Tag of the printed force law in which a constant stands."""
     return "A: normal force" if name.endswith("n") else "A: tangential force"
 
 
@@ -182,7 +182,7 @@ def _with(law: sp.Expr, name: str) -> sp.Expr:
 
 
 def _needed(name: str, without: sp.Expr = sp.S.One) -> sp.Expr:
-    """Dimension of a constant, so that its term, without a factor, is a force."""
+    """Dimension that a constant needs so that its term, over the factor `without`, is a force."""
     letter = paper.LETTERS[name]
     term = letter * _with(paper.printed(_law(name)), name) / without.subs(_DIMENSIONS)
     sentence = f"Its term is a force; solved for ${sp.latex(letter)}$"
@@ -199,14 +199,14 @@ def _of_d_g_m(constant: str) -> str:
 
 
 def _duration() -> sp.Expr:
-    """Dimension of a time, which a speed makes a length."""
+    """Dimension of a time, solved from a speed times it being a length."""
     duration = sp.Symbol("Delta_t", positive=True)
     (value,) = solve((SPEED * duration, LENGTH), duration, "A speed times it is a length")
     return value
 
 
 def _unit(tag: str) -> sp.Expr:
-    """Dimension of a printed constant."""
+    """Dimension of a constant as printed, without its number."""
     return paper.printed(tag).subs(_DIMENSIONS, simultaneous=True).as_coeff_Mul()[1]
 
 
@@ -219,11 +219,11 @@ def _wrong_unit(
     constants: Mapping[str, sp.Expr],
     note: Callable[[], str],
 ) -> Equation:
-    """A printed dimension that a force law contradicts.
+    """Entry of a printed dimension that a force law contradicts.
 
     Parameters
     ----------
-    form : gives what is judged, of a function that gives the dimension of a constant
+    form : gives what is judged, from a function that gives the dimension of a constant
     constants : each with the factor of its force that the mistake leaves out
     """
     (factor, *_) = constants.values()

@@ -40,7 +40,7 @@ def thin_slide_friction() -> sp.Expr:
 
 
 def _upright_friction() -> sp.Expr:
-    """The same at tilt 0."""
+    """Friction at the edge of slide of a thin rod at tilt 0, mu_c."""
     value = sp.factor(thin_slide_friction().subs(phi, 0))
     say(r"At $\phi = 0$", r"\mu_c", value)
     return value
@@ -59,7 +59,7 @@ def _reversal() -> sp.Expr:
 
 
 def _at_one_half(root: sp.Expr) -> sp.Expr:
-    """By which roots are sorted: where both are real."""
+    """Sort key of roots: their value at mu = 1/2, where both are real."""
     return root.subs(mu, sp.Rational(1, 2))
 
 
@@ -102,18 +102,18 @@ def largest_reversal_tilt() -> sp.Expr:
 
 
 def _end_of_reversal(tangents: tuple[sp.Expr, ...]) -> sp.Expr:
-    """Where reversal, begun at the first critical tilt, ends: at the next, or at 90 degrees."""
+    """Tilt at which slip reversal ends: the second critical one, or 90 degrees if there is none."""
     return sp.atan(tangents[1]) if len(tangents) > 1 else sp.pi / 2
 
 
 def _last_reversal_checks(form: sp.Expr) -> Residuals:
-    """There both critical tilts are one: a double root of mu (4 + T^2) = 3 T."""
+    """Residual of the largest reversal friction: there mu (4 + T^2) = 3 T has a double root."""
     tangent = 3 / (2 * form)  # half the sum of the roots
     return [form * (4 + tangent**2) - 3 * tangent]
 
 
 def _slide_boundary_checks(form: sp.Expr) -> Residuals:
-    """At that friction nothing is left of the slip."""
+    """Residual of the slide boundary: at that friction a slide leaves nothing of the slip."""
     rest = {omega: 0, V_z: 0, c_x: 1, c_z: -ratio, mu: form}
     v_x, _, spin = (part.subs(rest) for part in second_routes.impact("slide"))
     return [v_x - spin * Z]
@@ -138,7 +138,7 @@ _MU_C = -c_x / (4 * c_z * (1 + epsilon))
 _FLAT = sp.pi / 2
 _UPRIGHT, _OVERLOOKING = sp.Integer(0), sp.pi / 4  # tilts by which two mistakes come out
 _ORDER = 3
-_TWICE = sp.Integer(2)  # by which a third one does
+_TWICE = sp.Integer(2)  # factor by which a third one does
 _THERE = {mu: sp.Rational(3, 5)}  # where (23) is said to end
 
 

@@ -1,4 +1,4 @@
-"""Formulas tidied, as LaTeX with terms and factors in the paper's order; LaTeX as MathML."""
+"""Tidy formulas, as LaTeX with terms and factors in the paper's order, and LaTeX as MathML."""
 
 import re
 from functools import cache
@@ -35,7 +35,7 @@ def moving(expr: sp.Expr) -> bool:
 
 
 def _size(form: sp.Expr) -> int:
-    """Length of a form as text, about as long as it is to read; signs count more."""
+    """Length of a form as text, a measure of how long it is to read; minus signs count more."""
     text = sp.sstr(form, order="none")
     return len(text) + 3 * text.count("-")
 
@@ -50,7 +50,7 @@ def _collected(form: sp.Expr, letter: sp.Symbol) -> sp.Expr:
 
 @cache
 def tidy(expr: sp.Expr) -> sp.Expr:
-    """Return the shortest of a few equal forms: as it is, by its speeds or factored, sorted."""
+    """Return the shortest of a few equal forms: as it is, by its speeds, factored or collected."""
     if not expr.is_rational_function():
         return expr  # to factor roots and sines can take minutes
     seed(0)  # as for a derivation
@@ -71,7 +71,7 @@ def tidy(expr: sp.Expr) -> sp.Expr:
 
 
 def _factor_key(factor: sp.Expr) -> tuple:
-    """Sort key in a product: numbers, 1 + epsilon, letters, sums, roots and functions, speeds."""
+    """Sort key of a factor: numbers, 1 + epsilon, letters, sums, roots and functions, speeds."""
     base = factor.as_base_exp()[0]
     loss = base.is_Add and {x.name for x in base.free_symbols} == {"epsilon"}
     kinds = (base.is_Number, loss, moving(base), base.is_Symbol, base.is_Add, True)
@@ -81,7 +81,7 @@ def _factor_key(factor: sp.Expr) -> tuple:
 
 @cache
 def _term_key(term: sp.Expr) -> tuple:
-    """Sort key in a sum: numbers first, then few letters, then low powers."""
+    """Sort key of a term: numbers first, then few letters, then low powers."""
     powers = sp.total_degree(term, *term.free_symbols) if term.is_polynomial() else 99
     return len(term.free_symbols), _ranks(term), powers, str(term)
 
@@ -127,7 +127,7 @@ class _Printer(LatexPrinter):
     """SymPy's printer with terms and factors in the paper's order."""
 
     def terms(self, total: sp.Expr) -> list[tuple[bool, str]]:
-        """(negative, size) of each term of a sum, a positive one first where there is one."""
+        """(negative, size) of each term of a sum; a positive term first, if there is one."""
         whole = total.is_Add and total.primitive()[0] not in (1, -1) and total.primitive()[0].q == 1
         args = [total] if whole else sorted(sp.Add.make_args(total), key=_term_key)
         found = [self._term(arg) for arg in args]
@@ -145,7 +145,7 @@ class _Printer(LatexPrinter):
         return minus, " ".join([text, self._product(behind, alone=False)] if behind else [text])
 
     def _behind(self, above: list[sp.Expr]) -> list[sp.Expr]:
-        """Factors that stand behind a fraction: speeds, integrals, what holds a fraction itself."""
+        """Factors that stand behind a fraction: speeds, integrals, and what contains a fraction."""
         tall = [x for x in above if isinstance(x, sp.Integral) or r"\frac" in self._print(x)]
         speeds = [x for x in above if moving(x) and x not in tall]
         rest = [x for x in above if x not in tall and x not in speeds]
@@ -170,7 +170,7 @@ class _Printer(LatexPrinter):
 
 
 def pieces_of(terms: list[tuple[bool, str]]) -> list[str]:
-    """Terms with their signs in front."""
+    """Texts of terms with their signs in front, as pieces of a sum."""
     (minus, first), *more = terms
     return ["-" * minus + first, *((" - " if minus else " + ") + text for minus, text in more)]
 
@@ -210,7 +210,7 @@ def pieces(form: Form) -> list[str]:
 
 
 def mathml(tex: str, display: bool = False) -> str:
-    """MathML of LaTeX, in the size of a displayed formula or of a sentence."""
+    """MathML of LaTeX, in the size of a displayed formula or of one in a sentence."""
     found = convert(re.sub(r"^ ([+-])", r"{}\1", tex))
     style = ' displaystyle="true"' if display else ""
     found = re.sub(r' xmlns="[^"]*" display="inline"', style, found)
