@@ -87,9 +87,10 @@ def _leave_signals() -> None:
 
 @contextmanager
 def _begun() -> Iterator[Callable[..., Any]]:
-    """Derive all, while another process proves the code, which takes long and derives little.
+    """Derive all entries while another process proves those of the code, which derive little.
 
-    What is given maps a function over entries by `over`, but for those of the code.
+    Yields a function that maps `prove` over numbers of entries by `over`; the proofs of the code
+    come from that process.
     """
     with Pool(1, _leave_signals) as early:
         code = {

@@ -129,7 +129,7 @@ def _at_two(condition: sp.Expr) -> sp.Expr:
     return sp.solve(over_tangent(condition).subs(T, 2), mu)[0]
 
 
-def _upright_slide(condition: sp.Expr) -> sp.Expr:
+def _lying_slide(condition: sp.Expr) -> sp.Expr:
     """Friction at which the printed (14) ends for a thin rod at 90 degrees."""
     return sp.solve(condition.subs(THIN).subs({phi: _FLAT, u_0: c_x, v_0: c_z}), mu)[0]
 
@@ -194,7 +194,7 @@ EQUATIONS = (
         said=_MU_C,
         derive=lambda: sp.factor(thin_slide_friction().subs(phi, _FLAT)),
         contradicted_by=("14",),
-        contradiction=_upright_slide,
+        contradiction=_lying_slide,
         mistaken=lambda: thin_slide_friction().subs(phi, _UPRIGHT),
         mistake=f"the value at {degrees(_UPRIGHT)} is taken for the largest",
         note=lambda: rf"${sp.cancel(thin_slide_friction().subs(phi, _FLAT) / _MU_C)} \mu_c$",

@@ -25,7 +25,7 @@ geometry                            where the centre of mass stands over the con
 _impacts, _twofold, _select         regimes, arguments of impacts; twice the digits; `select`
 collision                           the impact map: `collide`, `classify`
 pairs                               two bodies of any masses that meet: `collide_pair`
-boundaries, translation             boundaries of the regimes; the drift, its stability, the best tilt
+boundaries, translation             regime boundaries; the drift, its stability, the best tilt
 compiled                            the map as Numba kernels, the same bits
 flight, bouncing                    exact flights over the plate, and a rod that makes them
 early_signals                       signals during imports
