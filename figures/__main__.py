@@ -125,8 +125,8 @@ def draw(
         if data:
             raise InputError(f"{key} has no meaning with --data, which computes nothing")
         takes = [name for name, entry in FIGURES.items() if key in entry.own]
-        if not {*names} & {*takes}:
-            raise InputError(f"{key} is for the figures {', '.join(takes)}; name one of them")
+        if not names or {*names} - {*takes}:
+            raise InputError(f"{key} is for the figures {', '.join(takes)}; name them alone")
     if every and names:
         raise InputError(f"--all draws every figure and takes no names, got {names[0]}")
     if data:

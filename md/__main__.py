@@ -198,7 +198,7 @@ def main() -> None:
     default="leapfrog",
     help="Fixed steps, or every switch located (dop853).",
 )
-@_number("--dt", help="Step (default a hundredth of the contact time).")
+@_number("--dt", help="Step (default a hundredth of the contact time, or less to be stable).")
 @_number("--tolerance", help="Of dop853 (default 1e-13).")
 @_json
 def impact(as_json: bool, **given: Any) -> None:
@@ -376,7 +376,7 @@ def results(store: str, csv: str | None) -> None:
     """
     columns, rows = table(store)
     if csv is None:
-        print(store_text(columns, rows))
+        print(store_text(columns, rows) if rows else "no runs yet")
     else:
         write_csv(csv, columns, rows)
         print(f"{len(rows)} runs written to {csv}")

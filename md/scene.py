@@ -392,11 +392,10 @@ def _parsed(assignment: str) -> tuple[str, Any]:
         return key.strip(), tomllib.loads(f"value = {text}")["value"]
     except tomllib.TOMLDecodeError:
         word = text.strip()
-        if word in ("True", "False"):
-            return key.strip(), word == "True"
+        plain = {"true": True, "false": False, "none": "none"}  # in any case
         with suppress(ValueError):  # .03, which TOML writes as 0.03
             return key.strip(), float(word)
-        return key.strip(), word
+        return key.strip(), plain.get(word.lower(), word)
 
 
 def put(tables: Mapping, changes: Mapping[str, Any]) -> dict:
@@ -442,6 +441,8 @@ def read_tables(source: str | Path, examples: Path = SCENES) -> dict:
     ValueError
         If there is no such file, or it is not TOML.
     """
+    if not isinstance(source, str | Path):
+        raise InputError(f"source must be the path of a file or a name, got {source!r}")
     path = Path(source)
     if not path.exists():
         path = examples / f"{source}.toml"

@@ -294,8 +294,8 @@ def expand(tables: Mapping, base: Mapping | None = None) -> Sweep:
     axes = tuple(_axis(i, table) for i, table in enumerate(given))
     common, points = changes_of("set", tables.get("set", {})), []
     keys = [*common, *(key for axis in axes for key in axis)]
-    if len(set(keys)) < len(keys):
-        raise InputError(f"a key may stand on one axis alone, or under set, got {keys}")
+    if twice := {key for key in keys if keys.count(key) > 1}:
+        raise InputError(f"{', '.join(sorted(twice))} may stand on one axis alone, or under set")
     if (size := math.prod(Sweep(axes, ()).shape)) > _MOST_POINTS:
         raise InputError(f"a sweep may have {_MOST_POINTS} points, got {size}")
     along = [[dict(zip(a, v, strict=True)) for v in zip(*a.values(), strict=True)] for a in axes]

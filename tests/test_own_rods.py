@@ -56,9 +56,14 @@ def test_a_figure_is_drawn_from_values_of_ones_own(tmp_path, monkeypatch):
     assert stored_data("fig11", True, tmp_path) is None
 
 
-@pytest.mark.parametrize(("friction", "code"), [(0, 0), (np.inf, 0), (-1, 2)])
-def test_friction_at_its_ends_is_drawn_and_beyond_them_refused(tmp_path, friction, code):
-    assert main(["draw", "fig11", f"--friction={friction}", "--out", str(tmp_path)]) == code
+@pytest.mark.parametrize(
+    ("figure", "friction", "code"),
+    [("fig11", 0, 0), ("fig11", np.inf, 0), ("fig11", -1, 2), ("alpha", 0, 2), ("tip_shape", 0, 2)],
+)
+def test_friction_at_its_ends_is_drawn_and_beyond_them_refused(tmp_path, figure, friction, code):
+    """Rods that bounce without friction keep the velocity that they were given."""
+    own = f"--friction={friction}", "--restitution=1"
+    assert main(["draw", figure, *own, "--quick", "--out", str(tmp_path)]) == code
 
 
 @pytest.fixture

@@ -21,8 +21,8 @@ def test_a_scene_may_begin_with_a_byte_order_mark(tmp_path):
 
 
 def test_an_assignment_takes_what_python_writes():
-    scene = load("annulus", ["plate.acceleration=.5", "rods.rolling=True"])
-    assert (scene.plate.acceleration, scene.rods.rolling) == (0.5, True)
+    scene = load("annulus", ["plate.acceleration=.5", "rods.rolling=True", "gravity=None"])
+    assert (scene.plate.acceleration, scene.rods.rolling, scene.gravity) == (0.5, True, None)
 
 
 # What is a scene

@@ -143,3 +143,10 @@ def test_a_table_has_all_columns(tmp_path, path):
     assert lines[0].split(",")[:3] == ["rods.count", "c_x", "touches.slide.mean"]
     assert lines[1].startswith("2,0.5,0.1,")
     assert '"it broke, badly"' in lines[2]
+
+
+def test_a_store_without_runs_says_so(path, capsys):
+    with Store(path):
+        pass
+    assert main(["results", str(path)]) == 0
+    assert capsys.readouterr().out == "no runs yet\n"

@@ -133,7 +133,7 @@ def annulus_of(scene: str | None) -> Row:
 
 def _own(scene: str, place: str) -> Row:
     """Row or annulus of one's own: a scene by its file or name, its tilt left to vary."""
-    tables = put(read_tables(scene), {"start.tilt_deg": "none"})
+    tables = read_tables(scene)
     found = from_tables(tables)
     rods, plate, contact = found.rods, found.plate, found.contacts.plate
     there = found.box if place == "box" else found.annulus
@@ -146,7 +146,8 @@ def _own(scene: str, place: str) -> Row:
         rf" $\Gamma={plate.acceleration:.3g}$, {plate.frequency_hz:g} Hz; of the plate:"
         rf" $\mu={contact.friction:g}$, restitution {contact.law.restitution:g}"
     )
-    return Row(tables, setting, plate.acceleration, words)
+    varied = put(tables, {"start.tilt_deg": "none"})
+    return Row(varied, setting, plate.acceleration, words)
 
 
 STORE = Path("out/rows.db")  # of all runs; what `--store` of the commands sets

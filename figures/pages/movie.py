@@ -221,7 +221,7 @@ def write(film: Film, path: str | Path, progress: bool = False) -> None:
     picture = Picture(film)
     numbers = tqdm(range(film.pictures), unit=" frames", disable=None if progress else True)
     try:
-        palette = picture.shot(film.pictures // 2).quantize(COLOURS)
+        palette = picture.shot(film.pictures // 2).quantize(COLOURS, Image.Quantize.MAXCOVERAGE)
         plain = Image.Dither.NONE
         first, *rest = (picture.shot(n).quantize(palette=palette, dither=plain) for n in numbers)
         how = {"duration": 1000 // FPS, "loop": 0, "disposal": 1}

@@ -38,7 +38,7 @@ def data(quick: bool = False, friction: float = 0.3, restitution: float = 0.65) 
     sticking = drift(rod, friction=np.inf, restitution=restitution)
     # `drift` never leaves the branch that holds; this one is followed beyond its range.
     back = function("29")
-    with np.errstate(divide="ignore"):  # without losses, upright
+    with np.errstate(divide="ignore", invalid="ignore"):  # without losses, upright
         reversing = back(phi=tilt, mu=friction, epsilon=restitution, V_z=1.0)
     return {
         "friction": np.float64(friction),

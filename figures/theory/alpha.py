@@ -14,6 +14,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from impact import drift, spherocylinder
+from md.domains import InputError
 
 from ..lib.runs import FRICTION, GAMMA, LENGTH, RESTITUTION
 from ..lib.style import (
@@ -56,6 +57,8 @@ def data(
     """Sweeps over tilt [rad] and gamma; velocities in V_0, flights in periods."""
     from impact.bouncing import bounce  # compiles
 
+    if friction == 0:
+        raise InputError("friction must be > 0, else rods keep their first velocity")
     setting = {"friction": friction, "restitution": restitution}
     counts = {"rods": 30 if quick else 200, "landings": 200 if quick else 1000}
 
