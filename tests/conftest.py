@@ -43,7 +43,7 @@ def pytest_xdist_make_scheduler(config, log):
 
 @pytest.fixture(scope="session", autouse=True)
 def rows_store(tmp_path_factory):
-    """Figures compute their rows anew, and leave nothing behind."""
+    """Figures compute their rows themselves, and leave nothing behind."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(rows, "STORE", tmp_path_factory.mktemp("rows") / "rows.db")
         yield

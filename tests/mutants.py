@@ -27,7 +27,7 @@ COMPARED = {"IV: Coulomb, stick": "sign", "V: closure": "zero"}  # with zero: si
 
 @contextmanager
 def derived_again(kind, name):
-    """Derive anew, inside, what takes the step of a name; afterwards it is what it was."""
+    """Derive again, inside, what takes the step of a name; afterwards all is as before."""
     known = [forgotten(results, kind, name) for results in trace.CACHES]
     try:
         yield

@@ -57,7 +57,7 @@ ROLLING = ("rods.rolling=true", "annulus.shaken=false", *CONSTRAINT)
 
 
 def sets(*assignments):
-    """Keys set anew, as options of a command."""
+    """Options of a command that change keys of a scene."""
     return [part for one in assignments for part in ("--set", one)]
 
 
@@ -67,12 +67,12 @@ def seeded(scene, seed):
 
 
 def row(*assignments):
-    """The row with some keys set anew."""
+    """The row with some keys changed."""
     return md.load("quasi2d", [*ROW, *assignments])
 
 
 def ring(*assignments):
-    """The annulus with some keys set anew."""
+    """The annulus with some keys changed."""
     return md.load("annulus", [*RING, *assignments])
 
 

@@ -195,7 +195,7 @@ def test_scale_of_lengths_cancels(law):
 
 
 def test_friction_has_its_limits():
-    """Infinite friction is the limit of large friction; without any, c_x is kept for ever."""
+    """Infinite friction is the limit of large friction; without any, c_x stays as it is."""
     setting = {"gamma": 2.5, "restitution": 0.6, "landings": 30}
     runs = [record(thin_rod(0.4), friction=mu, **setting) for mu in (np.inf, 1e30)]
     assert_allclose(runs[0].c_x_after, runs[1].c_x_after, rtol=1e-12)

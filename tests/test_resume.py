@@ -24,7 +24,7 @@ SCENES = {"row": partial(row, *LIVELY), "annulus": partial(ring, "plate.accelera
 class Whole(NamedTuple):
     """A run in one go."""
 
-    scene_with: Any  # some keys set anew
+    scene_with: Any  # the scene with some keys changed
     bits: tuple
     touches: bytes
 
