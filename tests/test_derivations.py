@@ -310,6 +310,7 @@ def test_generating_again_leaves_the_file_alone(tmp_path):
     before = target.stat().st_mtime_ns
     assert not files.write("a = 1\n", target)
     assert target.stat().st_mtime_ns == before
+    assert list(tmp_path.iterdir()) == [target]
 
 
 @pytest.mark.parametrize("square", ["X**2", "sqrt(X * X * X * X)"])
