@@ -57,16 +57,16 @@ def data(quick: bool = False) -> Data:
     """Drift [cm/s] and spread of tilts [deg], (sizes, tilts) each, with standard errors."""
     rows = sweeps(quick).values()
     half = (LENGTH - 1) / 2  # the spread of tilts is stored as a length
-    drifts = [larger_error(*gathered(row, "c_x", "c_x_stderr")) for row in rows]
-    spreads = [over_seeds(np.degrees(gathered(row, "tilt_spread")[0] / half)) for row in rows]
-    (c_x, c_x_error), (spread, spread_error) = np.moveaxis([drifts, spreads], 2, 1)
+    drifts = np.array([larger_error(*gathered(row, "c_x", "c_x_stderr")) for row in rows])
+    stored = (gathered(row, "tilt_spread")[0] for row in rows)
+    spreads = np.array([over_seeds(np.degrees(one / half)) for one in stored])
     return {
         "count": np.array([*PLANS[quick]]),
         "nominal_deg": np.array(SIZE_TILTS_DEG[quick], float),
-        "c_x": c_x,
-        "c_x_error": c_x_error,
-        "spread_deg": spread,
-        "spread_deg_error": spread_error,
+        "c_x": drifts[:, 0],
+        "c_x_error": drifts[:, 1],
+        "spread_deg": spreads[:, 0],
+        "spread_deg_error": spreads[:, 1],
     }
 
 

@@ -8,7 +8,7 @@ r"""A scene as an animation: rods of true width, the plate, and what the tip of 
 The ends of a box meet: a rod that leaves on the right comes back on the left. An annulus is shown
 rolled out: rods at their place around it, as they lean along it. One rod is marked, with its path
 behind it, which shows the drift. The lower panel shows its lowest point (red) and the plate (grey):
-both move by a small part of a rod's width. The picture of the README, 1.7 MB:
+both move by a small part of a rod's width. The picture of the README, 1.4 MB:
 
     python -m figures movie quasi2d --set rods.count=20 --set box.length=24 --set step.size=4e-5 \
         --periods 24 --frames 4 --out figures/gallery/row.gif

@@ -55,10 +55,10 @@ def data(
     length: float = LENGTH,
 ) -> Data:
     """Sweeps over tilt [rad] and gamma; velocities in V_0, flights in periods."""
+    if friction == 0:
+        raise InputError("friction must be > 0, else rods keep their first velocity; got 0")
     from impact.bouncing import bounce  # compiles
 
-    if friction == 0:
-        raise InputError("friction must be > 0, else rods keep their first velocity")
     setting = {"friction": friction, "restitution": restitution}
     counts = {"rods": 30 if quick else 200, "landings": 200 if quick else 1000}
 

@@ -73,7 +73,7 @@ def data(
 ) -> Data:
     """Drift in units of V_z, over tilt [rad] and over length; lengths in diameters."""
     if friction == 0:
-        raise md.InputError("friction must be > 0, else rods keep their first velocity")
+        raise md.InputError("friction must be > 0, else rods keep their first velocity; got 0")
     n = 61 if quick else 601
     # The sign of a zero tilt says which edge of a flat end touches: both are there, in a row.
     tilt_deg = np.concatenate([-np.linspace(20, 0, n // 3), np.linspace(0, 60, n)])
