@@ -105,9 +105,8 @@ class Run:
         if not isinstance(scene, Scene):
             raise InputError(f"scene must be a md.Scene, as md.load gives, got {scene!r}")
         periods = whole("periods", periods, 1, MOST_PERIODS)
-        if trajectory is not None:
-            checked(trajectory)
-        elif frames is not None:
+        path = None if trajectory is None else checked(trajectory)
+        if path is None and frames is not None:
             raise InputError("frames has no meaning without trajectory")
         frames = whole("frames", 1 if frames is None else frames, 1, step_of(scene)[1])
         distinct(trajectory=trajectory, checkpoint=checkpoint)
@@ -137,9 +136,9 @@ class Run:
         if saved is not None:
             self._restore(*saved, periods)
         self.trajectory: Trajectory | None = None
-        if trajectory is not None:
-            begin = engine.step / engine.per
-            self.trajectory = Trajectory(trajectory, scene, frames, begin, periods)
+        if path is not None:
+            before = saved[0]["trajectory"] if saved else None
+            self.trajectory = Trajectory(path, scene, frames, before)
         self.bar.update(self.made)
 
     def __enter__(self) -> "Run":
@@ -201,6 +200,7 @@ class Run:
             return
         about: dict[str, Any] = {"step": self.engine.step, "energy": self.energy}
         about |= {"seconds": self.seconds, **_names(self.engine.scene)}
+        about["trajectory"] = self.trajectory.place if self.trajectory is not None else ("", 0)
         arrays: dict[str, Any] = self.tables.arrays(self.made) | self.engine.arrays()
         with self._noting_failure("checkpoint", self.checkpoint, last):
             with replacing(self.checkpoint) as part, part.open("wb") as file:

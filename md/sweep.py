@@ -43,7 +43,7 @@ import warnings
 from _thread import interrupt_main
 from collections import ChainMap
 from collections.abc import Callable, Generator, Iterator, Mapping
-from contextlib import closing, contextmanager
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -84,7 +84,6 @@ _SWEEPS = Path(__file__).parent / "sweeps"
 _KEYS = "scene", "periods", "tolerance", "max_seconds", "set", "axes"
 _MOST_POINTS = 10**6
 PATIENCE = 60.0  # seconds in which a cluster is to have a worker
-_CRASHES = 3  # deaths of a worker in a row before the sweep gives up
 
 
 class Interrupted(KeyboardInterrupt):
@@ -366,26 +365,6 @@ def _one(point: Point) -> tuple[str, dict | None, str | None, float]:
     return point.key, result, error, perf_counter() - begin
 
 
-def _survived(points: list[Point], workers: int) -> Generator[tuple, None, None]:
-    """Yield results as they arrive; the runs of a worker that died begin again.
-
-    Of one worker, the runs are made in this process.
-    """
-    left, deaths = {point.key: point for point in points}, 0
-    while left:
-        try:
-            tasks = [delayed(_one)(point) for point in left.values()]
-            with _pool(tasks, workers) as results:
-                for done in results:
-                    left.pop(done[0], None)
-                    deaths = 0
-                    yield done
-        except TerminatedWorkerError:
-            deaths += 1
-            if deaths == _CRASHES:
-                raise RunError(f"a worker died {deaths} times in a row") from None
-
-
 @contextmanager
 def _pool(tasks: list, workers: int) -> Iterator[Generator[tuple, None, None]]:
     """Pool of workers, as a generator of results; an exception ends the runs without a warning."""
@@ -394,6 +373,9 @@ def _pool(tasks: list, workers: int) -> Iterator[Generator[tuple, None, None]]:
         with deferred():  # half a pool would leave semaphores behind
             results = Parallel(n_jobs=workers, batch_size=1, return_as="generator_unordered")(tasks)
         yield results
+    except TerminatedWorkerError:
+        again = "what was finished is kept: the same command goes on"
+        raise RunError(f"a worker process died, for want of memory perhaps; {again}") from None
     finally:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -451,7 +433,7 @@ def execute(
     ValueError, TypeError
         If `workers` is not a number of processes, `scheduler` not a cluster, or both are given.
     RunError
-        If a worker dies three times in a row, or the cluster has no worker or is gone.
+        If a worker dies, or the cluster has no worker or is gone; what was finished is kept.
     Interrupted
         On Ctrl-C; what was finished is in the store.
     """
@@ -468,9 +450,9 @@ def execute(
         tally = Tally(len(sweep.points), len(points), len(points) - len(wanted))
         bar = progress_bar(total=len(wanted), unit=" runs", disable=None if progress else True)
         processes = min(cpu_count() if workers == -1 else workers, max(len(wanted), 1))
-        results = _survived(wanted, -1 if scheduler else processes)
+        tasks = [delayed(_one)(point) for point in wanted]
         try:
-            with bar, closing(results):
+            with bar, _pool(tasks, -1 if scheduler else processes) as results:
                 for key, result, error, seconds in results:
                     point = points[key]
                     about = {

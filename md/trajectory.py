@@ -5,7 +5,6 @@ the file. In ASE `ase.io.read("row.xyz", index=":")` gives the frames, each with
 `arrays` and times and units as `info`; ASE knows no species but elements, and calls a rod X.
 """
 
-import re
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from math import acos, atan2, cos, degrees, hypot, sin
@@ -14,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from .domains import InputError
-from .files import plain, writable
+from .files import empty, plain, writable
 from .kernels.codes import DIRECTOR, PLACE, TURN, VELOCITY
 from .measures import phase_at
 from .scene import Scene
@@ -45,47 +44,41 @@ def checked(path: str | Path) -> Path:
 class Trajectory:
     """Open file of frames of a run.
 
-    A run that goes on from a checkpoint keeps the frames before it and makes the later ones again.
-
     Parameters
     ----------
-    path : of the file: a new one, or one of frames
+    path : of the file, as `checked` gives it
     scene : of the run
     per_period : frames of a period
-    begin : periods made before
-    end : periods to be made in all
+    before : `place` of the run that a checkpoint continues, whose frames are kept while later ones
+        are made again; ("", 0) if it wrote none; None: a run from its start
 
     Raises
     ------
     ValueError
-        If the file holds anything else, frames of a longer run that would be lost, of another scene
-        or others than the run had so far, if it would hold none, or if it cannot be written. It is
+        If a checkpoint is continued, and the file holds other frames than those before it. It is
         not changed.
     """
 
-    def __init__(self, path: str | Path, scene: Scene, per_period: int, begin: float, end: int):
-        self.path, self.scene, self.per_period = checked(path), scene, per_period
+    def __init__(
+        self, path: Path, scene: Scene, per_period: int, before: tuple[str, int] | None = None
+    ):
+        self.path, self.scene, self.per_period = path, scene, per_period
         self.kept: int | None = 0  # bytes, until the first frame follows them
-        there, times = "", list[float]()
-        if begin > 0 and self.path.exists():
-            self.kept, times, there = _frames_before(begin, self.path)
-        before = [time for time in times if time < begin]
-        wanted = (begin - before[0]) * per_period if before else 0.0
-        wrong = ""
-        if there not in ("", _of_scene(_head(scene, 0.0, 0.0))):
-            wrong = "is of another scene"
-        elif times and times[-1] > end:
-            wrong = f"goes on to period {times[-1]:.6g}, beyond the {end} asked for"
-        elif before and not -0.5 < len(before) - wanted < 2:  # a frame is up to a step late
-            wrong = f"has {len(before)} frames before period {begin:.6g}, not {wanted:.0f}"
-        elif not before and begin >= end:
-            wrong = f"would hold no frame, as {begin:.6g} periods are made already"
-        if wrong:
-            remedy = f"{'name a new file' if before else 'ask for more'}, or remove the checkpoint"
-            raise InputError(f"trajectory {str(path)!r} {wrong}: {remedy} to start again")
-        self.path.parent.mkdir(parents=True, exist_ok=True)
-        self.path.touch()
-        self.file = self.path.open("r+", encoding="utf-8")
+        if before is not None and not empty(path):
+            name, self.kept = before
+            if name != str(path) or path.stat().st_size < self.kept:
+                raise InputError(
+                    f"trajectory {str(path)!r} does not hold the frames before the checkpoint: "
+                    "name a new file, or remove the checkpoint to start again"
+                )
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.touch()
+        self.file = path.open("r+b")
+
+    @property
+    def place(self) -> tuple[str, int]:
+        """Path of the file, and where its frames end, in bytes."""
+        return str(self.path), self.file.tell() if self.kept is None else self.kept
 
     def write(self, rods: np.ndarray, time: float, height: float) -> None:
         """Append a frame.
@@ -104,10 +97,11 @@ class Trajectory:
         if self.kept is not None:
             self.file.truncate(self.file.seek(self.kept))
             self.kept = None
-        self.file.write(_head(self.scene, time, height))
+        lines = [_head(self.scene, time, height)]
         for i, (place, turn, velocity, omega, tilt) in enumerate(_in_space(rods)):
             numbers = [*turn, 0.5, 0.5, self.scene.rods.length - 1, *velocity, *omega, tilt]
-            self.file.write(f"rod {_text(place)} 0 {i} {_text(numbers)}\n")
+            lines.append(f"rod {_text(place)} 0 {i} {_text(numbers)}\n")
+        self.file.write("".join(lines).encode())
 
     def flush(self) -> None:
         """Hand all frames to the operating system."""
@@ -136,31 +130,6 @@ def _head(scene: Scene, time: float, height: float) -> str:
         f'pbc="{"T" if scene.box else "F"} F F" Time={time!r} phase={phase_at(time):.9g} '
         f"diameter_cm={scene.rods.diameter_cm!r} cm_per_s={scene.cm_per_s!r} plate={height!r}\n"
     )
-
-
-def _of_scene(head: str) -> str:
-    """First two lines of a frame without what changes from frame to frame of a scene."""
-    return re.sub(r" (Time|phase|plate)=\S+", "", head)
-
-
-def _frames_before(begin: float, path: Path) -> tuple[int | None, list[float], str]:
-    """Read the frames of a file.
-
-    Returns the bytes of those before `begin`, the times of all frames in periods, and the scene as
-    `_of_scene` tells it.
-    """
-    kept, place = 0, 0
-    times, scene, count = [], "", b""
-    with path.open("rb") as lines:
-        for line in lines:
-            place += len(line)
-            if head := re.search(rb" Time=([\d.e+-]+) ", line):
-                times.append(float(head[1]))
-                scene = _of_scene((count + line).decode())
-            elif line.startswith(b"rod ") and times[-1] < begin:
-                kept = place
-            count = line  # if a head follows
-    return kept, times, scene
 
 
 def _is_trajectory(path: Path) -> bool:

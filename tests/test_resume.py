@@ -134,11 +134,6 @@ def test_a_run_without_an_account_of_the_energy_goes_on_without_one(path):
     assert bits(md.run(scene, periods=2, **bare)) == bits(md.run(scene, periods=2, ledger=False))
 
 
-def contents(folder):
-    """Of all files, with the time of the last change."""
-    return {path.name: (path.read_bytes(), path.stat().st_mtime_ns) for path in folder.iterdir()}
-
-
 # Trajectories of resumed runs
 
 
@@ -160,16 +155,12 @@ def begun(tmp_path, monkeypatch):
     return tmp_path
 
 
-def test_an_older_checkpoint_cuts_no_frames(begun):
-    """Frames behind it are made again, or it is refused."""
+def test_frames_behind_an_older_checkpoint_are_made_again(begun):
     (begun / "older.npz").write_bytes((begun / "w.npz").read_bytes())
     run(24, trajectory="a.xyz")
-    before = contents(begun)
-    with pytest.raises(ValueError, match="goes on to period 23, beyond the 22 asked for"):
-        run(22, "older.npz", trajectory="a.xyz")
-    assert contents(begun) == before
+    whole = (begun / "a.xyz").read_bytes()
     run(24, "older.npz", trajectory="a.xyz")
-    assert contents(begun)["a.xyz"][0] == before["a.xyz"][0]
+    assert (begun / "a.xyz").read_bytes() == whole
 
 
 @pytest.mark.parametrize("part", [b"5\n", b'5\nLattice="1" Time=', b"5\nsomething else\n"])

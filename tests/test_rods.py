@@ -1,4 +1,4 @@
-"""One name for all commands; what is not installed costs one line."""
+"""One name for all commands."""
 
 import os
 import sys
@@ -27,18 +27,3 @@ def test_each_command_has_the_same_name_under_rods(monkeypatch):
     unknown = python("-c", SCRIPT, "rod")
     assert (unknown.returncode, unknown.stderr) == (1, "rods: no command 'rod'\n")
     assert all(name in unknown.stdout for name in COMMANDS)
-
-
-@pytest.mark.parametrize(
-    ("package", "module"),
-    [("md", "numba"), ("derivations", "sympy"), ("figures", "click"), ("impact", "click")],
-)
-def test_what_is_not_installed_costs_one_line(tmp_path, package, module):
-    """The line names the extra that holds what is missing."""
-    missing = f"raise ModuleNotFoundError('No module named {module}', name={module!r})\n"
-    (tmp_path / f"{module}.py").write_text(missing)
-    done = python("-m", package, "--version", PYTHONPATH=str(tmp_path))
-    assert done.returncode == 2
-    assert done.stderr == (
-        f"python -m {package}: {module} is missing: pip install 'rod-impact[{package}]'\n"
-    )

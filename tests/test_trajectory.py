@@ -84,17 +84,19 @@ def test_a_file_of_another_kind_is_refused_before_anything_is_compiled(tmp_path,
 
 
 def test_frames_go_on_or_the_run_does_not(tmp_path):
-    """After frames of another rate, with a hole, of another scene; where none would be written."""
+    """After a hole, or those of another run, or fewer than the checkpoint has seen."""
     path, kept, new = tmp_path / "a.xyz", tmp_path / "a.npz", tmp_path / "b.xyz"
-    for periods, frames, trajectory in ((2, 2, path), (3, None, None)):
-        md.run(row(), periods=periods, trajectory=trajectory, frames=frames, checkpoint=kept)
+    md.run(row(), periods=2, trajectory=path, checkpoint=kept)
     whole = path.read_text()
-    for frames, file, wrong in ((2, path, "has 4"), (3, path, "has 4"), (1, new, "hold no frame")):
-        with pytest.raises(md.InputError, match=wrong):
-            md.run(row(), periods=3, trajectory=file, frames=frames, checkpoint=kept)
     md.run(row("rods.count=3"), periods=3, trajectory=new)
-    for periods in (3, 4):  # frames to come, or none
-        with pytest.raises(md.InputError, match="is of another scene: name a new file"):
-            md.run(row(), periods=periods, trajectory=new, checkpoint=kept)
-    assert len(parsed(new)) == 3
+    path.write_text(whole[:-1])
+    for file in (new, path):
+        before = file.read_text()
+        with pytest.raises(md.InputError, match="frames before the checkpoint: name a new file"):
+            md.run(row(), periods=3, trajectory=file, checkpoint=kept)
+        assert file.read_text() == before
+    path.write_text(whole)
+    md.run(row(), periods=3, checkpoint=kept)
+    with pytest.raises(md.InputError, match="frames before the checkpoint: name a new file"):
+        md.run(row(), periods=4, trajectory=path, checkpoint=kept)
     assert path.read_text() == whole
