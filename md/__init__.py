@@ -74,7 +74,6 @@ from .accuracy import run
 from .domains import InputError, RunError
 from .kernels.contact import Normal, Spring
 from .laws import LAWS, Law, Rod, appendix_a, constant_restitution, coulomb, hertz_stiffness
-from .reference import Vibration
 from .result import Accuracy, Result
 from .scene import Annulus, Box, Contact, Contacts, Gravity, Plate, Rods, Scene, Start, Step, load
 from .soft_impact import INTEGRATORS, Impact, impact
@@ -107,7 +106,6 @@ __all__ = [
     "Spring",
     "Start",
     "Step",
-    "Vibration",
     "appendix_a",
     "constant_restitution",
     "coulomb",

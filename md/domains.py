@@ -132,15 +132,6 @@ def held(name: str, value: Any, hint: Any) -> Any:
     return value
 
 
-def fields_held(name: str, values: Any, kind: Any) -> Any:
-    """Named tuple or part of a scene, from values checked against the hints of its fields."""
-    fields, given = hints(kind), listed(values)
-    if given is None or len(given) != len(fields):
-        raise InputError(f"{name} must be {len(fields)} numbers, got {values!r}")
-    pairs = zip(fields.items(), given, strict=True)
-    return kind(*(held(f"{name}.{key}", x, hint) for (key, hint), x in pairs))
-
-
 @cache
 def hints(kind: Any) -> dict[str, Any]:
     """Type hints of a class, by the names of its fields."""

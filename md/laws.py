@@ -301,7 +301,8 @@ Length = Annotated[float, 1.0, 1000.0]  # d
 Inertia = Literal["solid", "thin"]
 
 
-class Rod(NamedTuple):
+@dataclass(frozen=True)
+class Rod(Part):
     """Rod of diameter 1.
 
     length : overall, caps included, d, >= 1

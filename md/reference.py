@@ -9,7 +9,7 @@ are those of the moment itself.
 from collections.abc import Sequence
 from math import cos, sin
 from time import perf_counter
-from typing import Annotated, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy.integrate import DOP853
@@ -17,25 +17,12 @@ from scipy.optimize import brentq
 
 from .domains import InputError, RunError
 from .kernels.codes import BACK, FORWARD, FREE, SLIDE, STICK, STUCK, TURNED
-from .kernels.single import plate_after, rates
+from .kernels.single import rates
 from .kernels.state import Effects
 from .laws import height_of_second, lower_end
 
 _SWITCHES = 10_000  # of one contact at most; a soft spring that rattles at the end makes hundreds
 LARGE = 1e4  # friction beyond which the slip stops too soon after the touch to be followed
-
-
-class Vibration(NamedTuple):
-    """Plate at amplitude sin(2 pi frequency t + phase).
-
-    amplitude : in d
-    frequency : in sqrt(g/d)
-    phase : in rad, at t = 0
-    """
-
-    amplitude: Annotated[float, 0.0, 1e6]
-    frequency: Annotated[float, 0.0, 1e12]
-    phase: Annotated[float, -1e6, 1e6]
 
 
 class Contact(NamedTuple):
@@ -48,7 +35,6 @@ class Contact(NamedTuple):
     stopped: bool  # whether the slip stopped at all
     deepest: float  # overlap, d
     evaluations: int  # of the forces
-    end: float  # of the force, time since the touch, sqrt(d/g)
     seconds: float  # run time, without compilation
 
 
@@ -62,7 +48,6 @@ class _Contact:
     def __init__(
         self,
         effects: Effects,
-        vibration: Vibration | None,
         tilt: float,
         speed: float,
         tolerance: float,
@@ -71,8 +56,8 @@ class _Contact:
         lean, height = tilt + end.offset, -end.arm(tilt)[1]
         assert effects.normal is not None
         longer = effects._replace(half_length=end.reach)
-        self.setting = longer, vibration, (sin(lean), cos(lean), height)
-        self.friction, self.gravity = effects.friction, effects.gravity
+        self.setting = longer, (sin(lean), cos(lean), height)
+        self.friction = effects.friction
         self.rigid = effects.friction is not None and effects.friction.spring is None
         self.mode, self.evaluations, self.rest = FREE, 0, 0.0
         self.side = 1.0  # of the slip at the touch
@@ -84,12 +69,12 @@ class _Contact:
     def derivative(self, s: float, y: np.ndarray) -> np.ndarray:
         self.evaluations += 1
         out = np.empty(8)
-        rates(*self.setting, self.mode, s**4, y, out)
+        rates(*self.setting, self.mode, y, out)
         return 4 * s**3 * out
 
     def signals(self, s: float, y: np.ndarray) -> tuple[float, float, float, float]:
         """Signals that fall to zero as the force, the mode, the first slip ends; the overlap."""
-        left, spare, overlap, slip = rates(*self.setting, self.mode, s**4, y, np.empty(8))
+        left, spare, overlap, slip = rates(*self.setting, self.mode, y, np.empty(8))
         return left, spare - self.rest, self.side * slip, overlap
 
     def choose(self, s: float, y: np.ndarray) -> None:
@@ -98,14 +83,13 @@ class _Contact:
             return
         before, self.mode = self.mode, STICK
         out = np.empty(8)
-        _, spare, _, slip = rates(*self.setting, STICK, s**4, y, out)
+        _, spare, _, slip = rates(*self.setting, STICK, y, out)
         if before == FREE and slip != 0 and self.friction.spring is None:
             self.mode = FORWARD if slip > 0 else BACK
         elif before in (FORWARD, BACK) and self.friction.spring is not None:
             pass  # the force came down from its limit
         elif before == STICK or spare < 0:
-            rub = out[3] - (self.gravity[0] if self.gravity else 0.0)
-            self.mode = BACK if rub > 0 else FORWARD
+            self.mode = BACK if out[3] > 0 else FORWARD
         self.rest = 0.0
         self.rest = min(self.signals(s, y)[1], 0.0)  # error of the location where a mode begins
 
@@ -161,22 +145,18 @@ class _Contact:
 
 def follow(
     effects: Effects,
-    vibration: Vibration | None,
     tilt: float,
     velocity: Sequence[float],
     tolerance: float = 1e-13,
-    longest: float = 1e3,
 ) -> Contact:
     """Integrate one contact of the lower cap or corner from its touch to the end of its force.
 
     Parameters
     ----------
-    effects : `contact.Effects`; its plate table is not used
-    vibration : `Vibration`, or None for a plate at rest
+    effects : `contact.Effects`, on a plate at rest and without gravity
     tilt : at the touch, rad
     velocity : (c_x, c_z, omega) at the touch
     tolerance : relative, of each step; 1e-13 is where rounding begins
-    longest : time after which a contact that has not ended is an error, sqrt(d/g)
 
     Raises
     ------
@@ -184,7 +164,7 @@ def follow(
         If another cap or corner touches too, a tangential spring has no dashpot beside it, or the
         coefficient of friction is beyond LARGE.
     RunError
-        If the contact does not end, or friction switches without an end.
+        If friction switches without an end.
     """
     spring = effects.friction.spring if effects.friction else None
     if spring and not any(spring[2:]):  # its dashpots
@@ -192,8 +172,8 @@ def follow(
     if effects.friction and effects.friction.coefficient > LARGE:
         raise InputError(f"dop853 needs a friction of at most {LARGE:g}")
     a_x = lower_end(effects, tilt).arm(tilt)[0]
-    speed = abs(velocity[1] - velocity[2] * a_x - plate_after(vibration, 0.0)[1])
-    contact = _Contact(effects, vibration, tilt, speed, tolerance)
+    speed = abs(velocity[1] - velocity[2] * a_x)
+    contact = _Contact(effects, tilt, speed, tolerance)
     s, y = 0.0, np.array([0.0, 0.0, 0.0, *velocity, 0.0, 0.0])
     contact.signals(s, y)  # compiles
     start = perf_counter()
@@ -209,8 +189,6 @@ def follow(
         others: tuple[int, ...] = (1,) if stopped or contact.rigid else (1, 2)
         going = True
         while going:
-            if solver.t**4 > longest:
-                raise RunError(f"the contact has not ended after {longest:g} sqrt(d/g)")
             solver.step()
             signals = left, *_, overlap = contact.signals(solver.t, solver.y)
             deepest = max(deepest, overlap)
@@ -228,6 +206,6 @@ def follow(
         if which == 1:
             contact.choose(s, y)
         stopped = stopped or which == 2 or (which == 1 and contact.rigid)
-    position = np.array([y[0], contact.setting[2][2] + y[1], tilt + y[2]])
+    position = np.array([y[0], contact.setting[1][2] + y[1], tilt + y[2]])
     calls, seconds = contact.evaluations, perf_counter() - start
-    return Contact(position, y[3:6], durations, impulses, stopped, deepest, calls, s**4, seconds)
+    return Contact(position, y[3:6], durations, impulses, stopped, deepest, calls, seconds)

@@ -20,7 +20,7 @@ from md.kernels.state import Wall
 from md.kernels.vectors import IN_PLANE, IN_SPACE
 
 from .rows import AT_REST, LOSSY, ROLLING, ROUGH, SOFT, in_plane, ring, row, started
-from .track import effects
+from .track import effects, swinging
 
 # The text of a compiled kernel: what it takes and what it looks at
 
@@ -256,18 +256,17 @@ def test_no_friction_is_the_same_as_a_coefficient_of_zero():
 # One rod
 
 LOOP = fresh(single.run)
-VIBRATION = md.Vibration(0.05, 1.0, 0.0)
 
 
 def compiled(law=None, watch=None, **scene):
     """The loop over steps for one scene; by default there is nothing but Hertz's force."""
-    made = effects(law or md.coulomb(1.0), dt=1e-3, **scene)
+    made = effects(law or md.coulomb(1.0), **scene)
     state = single.started("leapfrog", (0, 9, 0), (0, 0, 0), made.gravity, 1e-3)
     LOOP(made, state, 0, 0, 1e-3, watch)
     return text_of(LOOP, effects=made, state=state, first=0, steps=0, dt=1e-3, watch=watch)
 
 
-RUBBING = {"friction": 0.3, "vibration": VIBRATION}
+RUBBING = {"friction": 0.3, "plate": swinging(0.05, 1000)}
 DAMPED = {"law": md.constant_restitution(1.0)}
 UNDAMPED = {"law": md.constant_restitution(1.0, tangential_damping=0.0)}
 ALONE = {  # the loop with them, without them; arguments, and an instruction that only it needs

@@ -168,16 +168,6 @@ def test_every_contact_ends():
         assert 0.3 < hit.restitution < 1
 
 
-@pytest.mark.parametrize("phase", [0.3, 2.5])
-def test_a_plate_that_vibrates_is_that_of_the_fixed_steps(phase):
-    """The plate's velocity counts at the touch, and as it changes during the contact."""
-    given = {"friction": 0.4, "law": md.coulomb(stiffness=1e4), "vibration": (0.02, 5.0, phase)}
-    exact = md.impact(radians(20), 0.5, -2.0, integrator="dop853", **given)
-    steps = md.impact(radians(20), 0.5, -2.0, integrator="verlet", dt=1e-6, **given)
-    assert exact[:3] == pytest.approx(steps[:3], abs=1e-4)
-    assert exact.restitution == pytest.approx(steps.restitution, abs=1e-4)
-
-
 def test_there_is_no_friction_before_the_first_mode():
     """As `codes` says of FREE; a rod without slip is followed so for its first moment."""
     slip = single.Slip(now=0.1, drive=0.0, mass=1.0)

@@ -7,8 +7,9 @@ import numpy as np
 import md
 from md.kernels import single
 from md.kernels.codes import WATCHED
+from md.kernels.state import Motion
 from md.laws import contact_time, effects_of
-from md.soft_impact import plate_table, stopped_run
+from md.soft_impact import stopped_run
 
 ROD = md.Rod()
 LAWS = {
@@ -24,9 +25,15 @@ CONTACT = contact_time(md.coulomb(), 1.0)
 FLAT = 0.0, 0.5, pi / 2, 0.0, 0.0, 0.0  # just touching, at rest
 
 
-def effects(law, friction=0.0, gravity=None, vibration=None, dt=None, rod=ROD):
-    """What acts on a rod; the plate is at rest unless it vibrates."""
-    return effects_of(rod, law, friction, gravity, plate_table(vibration, dt))
+def effects(law, friction=0.0, gravity=None, plate=None, rod=ROD):
+    """What acts on a rod; the plate is at rest unless it has a `Motion`."""
+    return effects_of(rod, law, friction, gravity, plate)
+
+
+def swinging(amplitude, steps):
+    """Motion of a plate at amplitude sin(2 pi t), so many steps a period."""
+    angle = 2 * pi * np.arange(steps) / steps
+    return Motion(amplitude * np.sin(angle), 2 * pi * amplitude * np.cos(angle))
 
 
 def track(acting, start, dt, steps, *, every=1, method="leapfrog", watched=False):

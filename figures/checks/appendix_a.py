@@ -103,7 +103,7 @@ def data(quick: bool = False) -> Data:
     for at, (where, mass, inertia) in zip(
         np.ndindex(shape), product(WHERE, MASSES, INERTIAS), strict=True
     ):
-        rod = ROD._replace(inertia=inertia)
+        rod = replace(ROD, inertia=inertia)
         for n, speed in enumerate(speeds):
             soft = simulate(TILTS, reading(where, mass, speed), speed=speed, rod=rod)
             restitution[at][n] = soft.restitution

@@ -8,6 +8,7 @@ dashpot gives 0.65 head on at every speed: friction adds to or takes from the wo
 (d) one constant in Stronge's (energetic) law explains that best.
 """
 
+from dataclasses import replace
 from functools import partial
 
 import matplotlib.pyplot as plt
@@ -57,7 +58,7 @@ def data(
     length: float = ROD.length,
 ) -> Data:
     """Velocities over |c_z| and restitution; MD arrays are of shape (3 laws, tilts)."""
-    scene = {"friction": friction, "rod": ROD._replace(length=length)}
+    scene = {"friction": friction, "rod": replace(ROD, length=length)}
     laws = md.coulomb(restitution), md.constant_restitution(restitution), md.appendix_a()
     tilt = np.radians(np.linspace(0, 89, 90) if not quick else np.arange(0, 90, 5))
     edges = np.radians(np.linspace(0, 90, 181 if quick else 1801))

@@ -17,14 +17,14 @@ there are dashpots, Verlet of second; Gear's order is that of the force's smooth
 start and the end of a contact that is low.
 """
 
-from math import cos, pi, sin, sqrt
+from math import cos, sin, sqrt
 from typing import Any, NamedTuple
 
 from ..cache import kernel
 from .codes import DEEP, DONE, FREE, NOT_FINITE, OPENED, STICK, TOO_DEEP
 from .contact import dashpot, tangential_constants
 from .plate import Moving, plate_at, plate_forces
-from .state import Kept, field, gravity_force
+from .state import Kept, field
 from .touches import seen, watched
 from .vectors import ZERO, along, turned
 
@@ -188,17 +188,6 @@ class Slip(NamedTuple):
 
 
 @kernel
-def plate_after(vibration, t):
-    """Displacement of the plate since t = 0, and its velocity at t; zeros without a vibration."""
-    if vibration is None:
-        return 0.0, 0.0
-    amplitude, frequency, phase = vibration
-    half = pi * frequency * t  # sin(a + 2 b) - sin(a) = 2 cos(a + b) sin(b)
-    velocity = 2 * pi * frequency * amplitude * cos(phase + 2 * half)
-    return 2 * amplitude * cos(phase + half) * sin(half), velocity
-
-
-@kernel
 def in_mode(spring, mode, overlap, limit, length, slip):
     """F_t, the rate of the spring's length, and a signal that falls to zero as the mode changes.
 
@@ -234,21 +223,19 @@ def end_of(plastic, left, rate):
 
 
 @kernel
-def rates(effects, vibration, start, mode, t, y, out):
+def rates(effects, start, mode, y, out):
     """Derivatives of y = (x, z and tilt since the touch, c_x, c_z, omega, spring, P_z).
 
     Returns what signals the end of the force, what is left before the mode changes, the overlap
     and the slip. `start`: sin and cos of the tilt and height over the contact point at the touch.
     """
     sine, cosine, height = start
-    g_x, g_z = gravity_force(effects.gravity, (0.0, 0.0))
-    rise, plate = plate_after(vibration, t)
     bend, lag = sin(y[2] / 2), cos(y[2] / 2)
     lean = sine * lag + cosine * bend  # sin(tilt_0 + turn/2)
-    overlap = rise - y[1] - 2 * effects.half_length * lean * bend
+    overlap = -y[1] - 2 * effects.half_length * lean * bend
     a_x = -effects.half_length * (sine * cos(y[2]) + cosine * sin(y[2]))
-    a_z = rise - y[1] - height
-    rate = y[4] - y[5] * a_x - plate
+    a_z = -y[1] - height
+    rate = y[4] - y[5] * a_x
     slip = y[3] + y[5] * a_z
     force, left, rub, stretch, spare = 0.0, overlap, 0.0, 0.0, 1.0
     if overlap > 0:
@@ -258,11 +245,11 @@ def rates(effects, vibration, start, mode, t, y, out):
         left = overlap - c * rate / (normal.stiffness * root)
         force = max(normal.stiffness * root * left, 0.0)
         left = end_of(normal.plastic, left, rate)
-        drive = g_x + -a_x * force * effects.lightness * a_z + y[5] * (plate - y[4])
+        drive = -a_x * force * effects.lightness * a_z - y[5] * y[4]
         seen = Slip(slip, drive, 1 / (1 + a_z * a_z * effects.lightness))
         rub, stretch, spare = friction_of_mode(effects.friction, mode, overlap, force, y[6], seen)
     out[0], out[1], out[2] = y[3], y[4], y[5]
-    out[3], out[4] = g_x + rub, g_z + force
+    out[3], out[4] = rub, force
     out[5] = (a_z * rub - a_x * force) * effects.lightness
     out[6], out[7] = stretch, force
     return left, spare, overlap, slip
