@@ -11,6 +11,7 @@ from math import inf, log, nan, pi, sqrt
 from typing import Any
 
 import numpy as np
+from scipy.linalg import solve_toeplitz
 
 from .host import Engine
 from .kernels import codes
@@ -265,20 +266,18 @@ def standard_error(series: np.ndarray) -> float:
     off = series - series.mean()
     most = int(10 * np.log10(n))
     covariance = np.array([off[: n - lag] @ off[lag:] for lag in range(most + 1)]) / n
-    noise, weights, found, least = covariance[0], np.zeros(0), 0.0, inf
-    for order in range(most + 1):  # Levinson and Durbin's recursion
-        if order:
-            lagged = covariance[order - 1 : 0 : -1]
-            reflected = (covariance[order] - weights @ lagged) / noise
-            weights = np.append(weights - reflected * weights[::-1], reflected)
-            noise *= 1 - reflected**2
+    error, least = 0.0, inf
+    for order in range(most + 1):
+        lagged = covariance[1 : order + 1]
+        weights = solve_toeplitz(covariance[:order], lagged) if order else lagged
+        noise = covariance[0] - weights @ lagged
         if not noise > 1e-15 * covariance[0]:  # nothing is left to explain
             break
         criterion = n * log(noise) + 2 * order
         if criterion < least:
             density = noise * n / (n - order - 1) / (1 - weights.sum()) ** 2
-            found, least = sqrt(density / n), criterion
-    return found
+            error, least = sqrt(density / n), criterion
+    return error
 
 
 def trend(series: np.ndarray) -> float:
