@@ -22,7 +22,7 @@ from .soft_impact import Impact
 from .store import table, write_csv
 from .units import TWINS
 
-_OF_RESULT = "accuracy.", "annulus.", "energy.", "landings.", "touches.", "turned.", "versions."
+_OF_RESULT = "accuracy.", "energy.", "landings.", "touches.", "versions."
 
 
 def impact_text(hit: Impact, law: str) -> str:

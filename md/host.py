@@ -177,10 +177,10 @@ class Engine:
 
     def series(self, periods: int) -> Series:
         """Create an empty series for the samples of `periods` periods."""
-        place, last, *_ = self._parts(self.rods)
-        columns = ROW_SERIES
+        place, director, *_ = self._parts(self.rods)
+        columns, last = ROW_SERIES, director[:, 1]
         if len(self.effects.up) == 3:
-            columns, last = ANNULUS_SERIES, np.arctan2(place[:, 1:2], place[:, :1])
+            columns, last = ANNULUS_SERIES, np.arctan2(place[:, 1], place[:, 0])
         every = max(self.per // SAMPLES_A_PERIOD, 1)
         return Series(np.zeros((periods + 1, columns)), last.copy(), self.per, every)
 

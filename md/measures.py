@@ -3,7 +3,7 @@
 A rod that leaves the plate slower than the plate rises is hit again at once. Flight lengths fall
 into two groups, below 0.1 and above 0.4 periods, so there are two kinds of mean: over every touch
 of the plate, and over touches merged into one landing where less than `HOP` lies between them. In
-an annulus the lean along it is measured as well. Means of correlated series leave out the
+an annulus wedged rods are counted as well. Means of correlated series leave out the
 transient, are tested for a trend, and have standard errors.
 """
 
@@ -177,20 +177,17 @@ class Tables:
 
         These are the periods behind the transient.
         """
-        found: dict[str, Any] = dict.fromkeys(("touches", "landings", "annulus"))
-        found |= {"turned": {}, "phases": []}
+        found: dict[str, Any] = dict.fromkeys(("touches", "landings", "fell", "wedged"))
+        found["phases"] = []
         if self.engine.record is not None:
             found["phases"] = self.cycle(first, periods)
             if periods > 0:
                 found["touches"] = self._means(0, MEANS, first, periods)
                 found["landings"] = self._means(1, OF_LANDINGS, first, periods)
         if self.annulus is None:
-            fell, upright = self.series.rows[:, [codes.FELL, codes.UPRIGHT]].sum(axis=0)
-            found["turned"] = {"fell": int(fell), "passed_upright": int(upright)}
-        elif periods > 0:
-            part = self.series.rows[first:periods]
-            lean = self.quotient(np.degrees(part[:, codes.LEAN_SUM]), part[:, codes.SAMPLED])
-            found["annulus"] = {"lean_deg": lean, "wedged": {"mean": self._wedged(), "stderr": nan}}
+            found["fell"] = int(self.series.rows[:, codes.FELL].sum())
+        elif self.engine.record is not None:
+            found["wedged"] = self._wedged(self.engine.record)
         return found
 
     def add(self, rows: np.ndarray) -> None:
@@ -226,13 +223,10 @@ class Tables:
         counts = self.phases[first:last].sum(axis=0, dtype=np.int64)
         return np.roll(counts, -(_PARTS // 4)).tolist()
 
-    def _wedged(self) -> float:
-        """Share of rods wedged at the end, which have long not touched; nan without a record."""
-        engine = self.engine
-        if engine.record is None:
-            return nan
-        since = columns.since_touch(engine.record, engine.step)
-        return float((since > wedged_periods(engine.scene) * self.per).mean())
+    def _wedged(self, record: columns.Record) -> float:
+        """Share of rods wedged at the end, which have not touched the plate for long."""
+        since = columns.since_touch(record, self.engine.step)
+        return float((since > wedged_periods(self.engine.scene) * self.per).mean())
 
 
 FEWEST = 100  # values for a standard error

@@ -84,9 +84,8 @@ class Result:
         `measures.MEANS`, and touches per rod and period; None without a plate
     landings : the same for the quantities of `measures.OF_LANDINGS`, touches less than
         `measures.HOP` periods apart merged into one landing; None without a plate
-    annulus : mean lean along the annulus, `lean_deg`, and the share of the rods that are wedged
-        between the walls at the end, `wedged`; None in a row
-    turned : times that a rod fell past the horizontal, and passed the vertical
+    fell : times that a rod fell past the horizontal; None in an annulus
+    wedged : share of the rods that are wedged between the walls at the end; None in a row
     phases : touches behind the transient in each of 64 equal parts of the plate's cycle, which
         begins where it rises through its mean height; empty without a plate
     c_x_series, tilt_series, fell_series : drift, tilt in degrees and number of rods that fell over,
@@ -111,8 +110,8 @@ class Result:
     energy: dict[str, float] | None
     touches: dict[str, dict[str, float]] | None
     landings: dict[str, dict[str, float]] | None
-    annulus: dict[str, dict[str, float]] | None
-    turned: dict[str, int]
+    fell: int | None
+    wedged: float | None
     phases: list[int]
     c_x_series: np.ndarray
     tilt_series: np.ndarray
@@ -227,9 +226,8 @@ def _drift(r: Result) -> list[str]:
         if r.scene.annulus is None:
             why = f"from {FEWEST * 5 // 4 - 1} {_unit(r)} on one run can tell it"
         lines.append(f"             error unknown: {why}")
-    turned = (f", {name.replace('_', ' ')} {k} times" for name, k in r.turned.items() if k)
-    tilt = _with_error(r.tilt_deg, r.tilt_stderr_deg)
-    return [*lines, f"tilt         {tilt} degrees{''.join(turned)}"]
+    fell = f", fell {r.fell} times" if r.fell else ""
+    return [*lines, f"tilt         {_with_error(r.tilt_deg, r.tilt_stderr_deg)} degrees{fell}"]
 
 
 def _touches(r: Result) -> list[str]:
@@ -259,9 +257,9 @@ def _cost(r: Result) -> list[str]:
             lines.append(f"warning      {few}")
         elif r.scene.annulus is not None and r.periods < SETTLING:
             lines.append(f"warning      an annulus needs {SETTLING} periods or more to settle")
-    if r.annulus and (share := r.annulus["wedged"]["mean"]) > 0:
+    if r.wedged:
         since = f"the plate for {wedged_periods(r.scene):.0f} {_unit(r)}"
-        lines.append(f"warning      wedged: {share:.0%} of the rods have not touched {since}")
+        lines.append(f"warning      wedged: {r.wedged:.0%} of the rods have not touched {since}")
     n, each = r.scene.rods.count, r.run_seconds / max(r.rod_steps, 1) * 1e9
     steps = f"{r.rod_steps:.3g} rod-steps of dt = {r.dt:.3g} sqrt(d/g)"
     rods = f"{n} rod{'s' * (n > 1)}, {r.steps_per_period} steps each"

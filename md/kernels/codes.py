@@ -38,10 +38,10 @@ ANNULUS_LEDGER = 7
 
 # Columns of the series, one row per period: of both arrangements, of a row, of an annulus.
 TILT_SUM, SAMPLED = 0, 1  # sum over samples of the mean tilt, rad; number of samples
-MEAN_X, FELL, UPRIGHT = 2, 3, 4  # mean x at the start; rods past the horizontal, the vertical
-ROW_SERIES = 5
-ADVANCE, LEAN_SUM = 2, 3  # sums over samples of mean advance about the axis and mean lean, rad
-ANNULUS_SERIES = 4
+MEAN_X, FELL = 2, 3  # mean x at the start; times that a rod fell past the horizontal
+ROW_SERIES = 4
+ADVANCE = 2  # sum over samples of mean advance about the axis, rad
+ANNULUS_SERIES = 3
 
 # Phases of a contact: before its slip first stopped, while it stuck, while it slipped after that.
 SLIDE, STUCK, TURNED = 0, 1, 2

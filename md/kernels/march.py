@@ -22,7 +22,6 @@ from .codes import (
     DONE,
     FELL,
     FULL_RECORD,
-    LEAN_SUM,
     MEAN_X,
     NOT_FINITE,
     PLATE_CAPS,
@@ -33,7 +32,6 @@ from .codes import (
     TILT_SUM,
     TOO_DEEP,
     TOO_FAST,
-    UPRIGHT,
     WALL_TOO_DEEP,
 )
 from .contact import elastic_energy, free_turn, size, turn_by
@@ -63,7 +61,7 @@ class Series(NamedTuple):
     """Samples of a run, one row per period."""
 
     rows: np.ndarray  # (periods + 1, ROW_SERIES or ANNULUS_SERIES): columns of `codes`
-    last: np.ndarray  # (rods, 2): sin and cos of the tilt at the last sample; or (rods, 1), azimuth
+    last: np.ndarray  # (rods,): at the last sample, cos of the tilt; of an annulus azimuth, rad
     per: int  # steps of a period
     every: int  # steps from one sample to the next
 
@@ -80,16 +78,14 @@ class Watchers(NamedTuple):
 @kernel(inline=False)
 def sample_row(series, rods, row, start):
     """Add a sample of a row to its series; `start`: whether it is the first of a period."""
-    n, x, tilt, rows, sides = rods.shape[0], 0.0, 0.0, series.rows, series.last
+    n, x, tilt, rows = rods.shape[0], 0.0, 0.0, series.rows
     for i in range(n):
         sine, cosine = director_of(IN_PLANE, rods, i)
         x += rods[i, 0]
         tilt += atan(sine / cosine) if cosine != 0.0 else np.pi / 2  # a rod has no head
-        if cosine * sides[i, 1] < 0:
+        if cosine * series.last[i] < 0:
             rows[row, FELL] += 1
-        elif sine * sides[i, 0] < 0:
-            rows[row, UPRIGHT] += 1
-        sides[i, 0], sides[i, 1] = sine, cosine
+        series.last[i] = cosine
     if start:
         rows[row, MEAN_X] = x / n
     rows[row, TILT_SUM] += tilt / n
@@ -98,20 +94,16 @@ def sample_row(series, rods, row, start):
 @kernel(inline=False)
 def sample_annulus(series, rods, row):
     """Add a sample of an annulus to its series."""
-    n, advance, tilt, lean, rows = rods.shape[0], 0.0, 0.0, 0.0, series.rows
+    n, advance, tilt, rows = rods.shape[0], 0.0, 0.0, series.rows
     for i in range(n):
-        (x, y, _), a = place_of(IN_SPACE, rods, i), director_of(IN_SPACE, rods, i)
-        azimuth = atan2(y, x)
-        step_on = azimuth - series.last[i, 0]
+        place, director = place_of(IN_SPACE, rods, i), director_of(IN_SPACE, rods, i)
+        azimuth = atan2(place[1], place[0])
+        step_on = azimuth - series.last[i]
         advance += step_on - 2.0 * pi * np.floor(step_on / (2.0 * pi) + 0.5)
-        series.last[i, 0] = azimuth
-        side = 1.0 if a[2] >= 0.0 else -1.0  # a rod has no head
-        along_gap = side * (x * a[1] - y * a[0]) / sqrt(x * x + y * y)
-        tilt += acos(min(abs(a[2]), 1.0))
-        lean += atan2(along_gap, abs(a[2]))
+        series.last[i] = azimuth
+        tilt += acos(min(abs(director[2]), 1.0))  # a rod has no head
     rows[row, ADVANCE] += advance / n
     rows[row, TILT_SUM] += tilt / n
-    rows[row, LEAN_SUM] += lean / n
 
 
 @kernel
