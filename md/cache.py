@@ -205,26 +205,35 @@ def _warn_once(message: str) -> None:
         warn(message)
 
 
-def kernel(function: Callable | None = None, *, inline: bool = True) -> Callable:
-    """Compile on first call and keep the result; IEEE arithmetic, no exception on a division.
+def kernel(
+    function: Callable | None = None, *, inline: bool = True, entry: bool = False
+) -> Callable:
+    """Compile on first call; IEEE arithmetic, no exception on a division.
 
     What is small goes into its caller: a call would return its tuple through memory. No kernel
     counts references to arrays (`_nrt`): in inlined functions that took three quarters of the time
     of a step. In return a kernel cannot allocate, and Numba refuses one that would.
 
-    What is inlined has no entry for calls from Python, into which a third of the time to compile
-    would go; it is not kept. Where Python calls such a function, a twin with an entry is compiled;
-    Numba's public options cannot say so, and two private methods of its dispatcher are replaced.
+    A kernel that others call has no entry for calls from Python, into which a third of the time to
+    compile would go; it is kept as a part of its callers. Where Python calls it all the same, a
+    twin with an entry is compiled; Numba's public options cannot say so, and two private methods of
+    its dispatcher are replaced.
+
+    Parameters
+    ----------
+    function : to be compiled
+    inline : whether it goes into its callers
+    entry : whether Python calls it; it is kept by itself
     """
     if function is None:
-        return partial(kernel, inline=inline)
+        return partial(kernel, inline=inline, entry=entry)
     if numba.config.DISABLE_JIT:
         if "sqrt" in function.__globals__:
             function.__globals__["sqrt"] = _root
         return function
-    if not inline:
+    if entry:
         return _kept(function)
-    options = {"forceinline": True, "no_cpython_wrapper": True, **_OPTIONS}
+    options = {"forceinline": inline, "no_cpython_wrapper": True, **_OPTIONS}
     part = _compiling(numba.njit(**options)(function))
     called = cache(partial(_kept, function))
     part._insert = lambda *_: None  # what has no entry cannot be called, and crashes

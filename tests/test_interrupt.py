@@ -99,7 +99,7 @@ def test_other_threads_have_no_signals():
 
 @pytest.mark.parametrize(
     ("kernel", "called"),
-    [(cache.kernel, partial(cache.kernel, inline=False)), (_jit.kernel, _jit.kernel)],
+    [(cache.kernel, partial(cache.kernel, entry=True)), (_jit.kernel, _jit.kernel)],
     ids=["md", "impact"],
 )
 def test_a_compilation_ends_before_a_handler_runs(kernel, called, monkeypatch, tmp_path):

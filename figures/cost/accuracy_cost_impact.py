@@ -39,7 +39,7 @@ MOST_STEPS = 10**9  # the contact ends long before
 LOOKS = {"leapfrog": (BLUE, "s"), "verlet": (BLACK, "o"), "gear": (ORANGE, "^")}
 
 
-@kernel(inline=False)
+@kernel(entry=True)
 def repeated_impact(effects, state, dt, times, watch):
     """Velocity after an impact that is integrated `times` times over, and the steps of one."""
     velocity, steps = state.velocity, 0

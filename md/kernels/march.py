@@ -199,7 +199,7 @@ def move(effects, rods, before, i, dt):
     put(rods, i, 3 * dims, w)
 
 
-@kernel(inline=False)
+@kernel(entry=True)
 def march(effects, state, watchers, clock, steps):
     """Make up to `steps` steps of all rods; return the steps made, the stop code, and the place.
 
@@ -340,7 +340,7 @@ def spinning(rolling, w, director):
     return dot(w, w) + rolling * dot(w, director) ** 2
 
 
-@kernel(inline=False)
+@kernel(entry=True)
 def energy(effects, rods, listed, plate, dt):
     """Kinetic, potential and elastic energy half a step ago, m g d; `plate`: its height then, d."""
     half, upper, up = effects.half_length, effects.upper, effects.up

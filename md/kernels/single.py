@@ -142,7 +142,7 @@ def over(watch, effects, lower, upper, dt):
     return watched(watch, effects, seen(lower, (1.0, 0.0)), seen(upper, (1.0, 0.0)), dt)
 
 
-@kernel(inline=False)
+@kernel(entry=True)
 def run(effects, state, first, steps, dt, watch):
     """Make up to `steps` steps from number `first` on; return state, steps made and stop code.
 
@@ -222,7 +222,7 @@ def end_of(plastic, left, rate):
     return left if plastic is None else -rate
 
 
-@kernel
+@kernel(entry=True)
 def rates(effects, start, mode, y, out):
     """Derivatives of y = (x, z and tilt since the touch, c_x, c_z, omega, spring, P_z).
 
