@@ -5,7 +5,7 @@ from typing import Any, overload
 import numpy as np
 
 from . import _generated as closed
-from ._arguments import Numbers, evaluated
+from ._arguments import Number, Numbers, evaluated
 from .geometry import ContactGeometry, lengths_of, unit_lengths
 
 
@@ -45,11 +45,7 @@ def critical_tilts(friction: Any) -> tuple[Any, Any]:
     return evaluated(block, {"friction": friction}, (None, None))
 
 
-@overload
-def critical_friction(geometry: ContactGeometry[float]) -> float: ...
-@overload
-def critical_friction(geometry: ContactGeometry) -> Numbers: ...
-def critical_friction(geometry: ContactGeometry) -> Any:
+def critical_friction(geometry: ContactGeometry[Number]) -> Number:
     """Friction below which a stopped contact slips back, |X Z|/(k^2 + Z^2); Eqs. (16), (20).
 
     Parameters
@@ -68,11 +64,7 @@ def critical_friction(geometry: ContactGeometry) -> Any:
     return evaluated(lambda X, Z, k: (_critical(X, Z, k),), lengths_of(geometry))[0]
 
 
-@overload
-def painleve_friction(geometry: ContactGeometry[float]) -> float: ...
-@overload
-def painleve_friction(geometry: ContactGeometry) -> Numbers: ...
-def painleve_friction(geometry: ContactGeometry) -> Any:
+def painleve_friction(geometry: ContactGeometry[Number]) -> Number:
     """Least friction at which a slipping contact is pressed into the plate: Painleve's paradox.
 
     It is (k^2 + X^2)/|X Z|, for the slip that friction opposes towards the centre of mass: to -x

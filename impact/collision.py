@@ -55,7 +55,7 @@ def _scaled(function: Callable[..., tuple], *block: Any) -> tuple[Any, ...]:
     turn = np.ldexp(omega, length - speed)
     X, Z, k = (np.ldexp(value, -length) for value in (X, Z, k))
     k = np.maximum(k, 2.0**-500)  # so that its square does not vanish
-    results = list(function(*c, turn, plate, X, Z, k, mu, epsilon))
+    results = list(function((*c, turn, plate, X, Z, k, mu, epsilon)))
     if len(results) == 1:  # the regime alone
         return tuple(results)
     for index in (0, 1, 4, 5, 6, 7):
@@ -71,9 +71,9 @@ def _in_range(function: Callable[..., tuple], *block: Any) -> tuple[Any, ...]:
     """Evaluate a function on a block of impacts; impacts of unusual size are scaled."""
     usual = ordinary(block)
     if np.all(usual):
-        return function(*block)
+        return function(block)
     block = np.broadcast_arrays(*block)
-    parts = function(*(value[usual] for value in block))
+    parts = function([value[usual] for value in block])
     others = _scaled(function, *(value[~usual] for value in block))
     results = [np.empty(usual.shape, part.dtype) for part in parts]
     for result, part, other in zip(results, parts, others, strict=True):
@@ -107,12 +107,6 @@ def arguments(
         "friction": friction,
         "restitution": restitution,
     }
-
-
-def impacts(law: str) -> Callable[..., tuple[Any, ...]]:
-    """Function that returns the fields of `Collision` under a law, for a block of any numbers."""
-    restitution = law_of(law)
-    return partial(_in_range, lambda *block: kernel.impact(restitution, block))
 
 
 KINDS = [Regime if field == "regime" else None for field in Collision._fields]
@@ -201,7 +195,8 @@ def collide(
     'SLIP_STICK'
     """
     given = arguments(c_x, c_z, omega, geometry, friction, restitution, plate_velocity)
-    return Collision(*evaluated(impacts(law), given, KINDS))
+    block = partial(_in_range, partial(kernel.impact, law_of(law)))
+    return Collision(*evaluated(block, given, KINDS))
 
 
 @overload
@@ -252,7 +247,7 @@ def classify(
         As `collide`.
     """
 
-    def regime_alone(*block: Any) -> tuple[Any, ...]:
+    def regime_alone(block: Any) -> tuple[Any, ...]:
         *_, velocities, contact = kernel.mirrored(block)
         return (kernel.regime_of(*kernel.branches(velocities, contact, block[-1])[-3:]),)
 

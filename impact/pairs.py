@@ -1,6 +1,5 @@
 """Frictional impact of any two bodies that meet at a point; a rod on a plate is one such pair."""
 
-from collections.abc import Callable
 from typing import Any, Generic, NamedTuple, overload
 
 import numpy as np
@@ -14,7 +13,6 @@ from ._twofold import Twofold, quotient
 from .collision import exponent, law_of
 
 SHORT = 2.0**-100  # gyration radius over the lever; a shorter one gives the same digits
-SMALL, LARGE = 1e-10, 1e10  # numbers between these need no scale
 
 
 @shown
@@ -93,45 +91,25 @@ def _arguments(name: str, body: Body) -> dict[str, Any]:
     return {f"{name}.{field}": value for field, value in zip(Body._fields, body, strict=True)}
 
 
-def _left(value: Any, power: Any) -> Any:
-    """The number itself, in place of a scaled one."""
-    return value
-
-
-def _usual(numbers: np.ndarray) -> bool:
-    """Whether all fields of both bodies are far from over- and underflow."""
-    mass, k, *_, c_z, _ = numbers
-    least = min(mass.min(), k.min(), np.abs(c_z).max(0).min())
-    return bool(least > SMALL and np.vdot(numbers, numbers) < LARGE**2)
-
-
 def _impact(final_velocity: Any, *block: Any) -> tuple[Any, ...]:
     """Velocities of both bodies, regime code, impulse and energy change.
 
-    Unusual lengths of each body, speeds and masses are scaled by powers of two. The contact
-    velocity and the mobilities are summed in twice the digits; the kernel then sees one impact.
+    Lengths of each body, speeds and masses are scaled by powers of two, which changes no digit. The
+    contact velocity and the mobilities are summed in twice the digits; the kernel then sees one
+    impact.
     """
     *given, mu, epsilon = block
     numbers = np.empty((7, 2, *np.broadcast(*block).shape))  # fields of both bodies
     for index, values in enumerate(given):
         numbers[index % 7, index // 7] = values
     both = Body(*numbers)
-    mass, fixed = both.mass, np.isinf(both.mass)
-    some_fixed = fixed.any()
-    if some_fixed:  # one in place of an infinite mass; its inverse is set below
-        mass[fixed] = 1.0
-    scaled: Callable[[Any, Any], Any] = np.ldexp
-    power, size, speed = np.zeros(2, int), 0, 0
-    if _usual(numbers):
-        scaled = _left
-    else:
-        size = exponent(both.X, both.Z, both.k)
-        speed = np.maximum(exponent(both.c_x, both.c_z), exponent(both.omega) + size).max(0)
-        mass, power = np.frexp(mass)
-        power = np.where(fixed, power[::-1], power)
+    fixed, scaled = np.isinf(both.mass), np.ldexp
+    size = exponent(both.X, both.Z, both.k)
+    speed = np.maximum(exponent(both.c_x, both.c_z), exponent(both.omega) + size).max(0)
+    mass, power = np.frexp(np.where(fixed, 1.0, both.mass))  # the inverse of inf is set below
+    power = np.where(fixed, power[::-1], power)
     light = scaled(mass, power - power.max(0))[::-1]  # 1/mass, up to 1
-    if some_fixed:
-        light = select(fixed, 0.0, light)
+    light = select(fixed, 0.0, light)
     mass, power = mass.prod(0), power.min(0)  # in units of mass 2^power
 
     k = np.maximum(scaled(both.k, -size), SHORT)
@@ -171,11 +149,10 @@ def _impact(final_velocity: Any, *block: Any) -> tuple[Any, ...]:
     omega = both.omega + scaled(turned / k, speed - size)
     after = (part[i] for i in range(2) for part in (c_x, c_z, omega))
     code = kernel.regime_of(*branch)
-    if some_fixed:
-        stuck = hits & fixed.all(0)  # all other results are nan, as no body can give way
-        if np.ndim(stuck) == 0 and stuck:
-            raise InputError("first.mass and second.mass must not both be inf where they close")
-        code = np.where(stuck, Regime.INVALID, code)
+    stuck = hits & fixed.all(0)  # all other results are nan, as no body can give way
+    if np.ndim(stuck) == 0 and stuck:
+        raise InputError("first.mass and second.mass must not both be inf where they close")
+    code = np.where(stuck, Regime.INVALID, code)
     impulses = (scaled(mass * part, power + speed) for part in (P_x, P_z))
     return *after, code, *impulses, scaled(mass * energy, power + 2 * speed)
 
