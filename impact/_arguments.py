@@ -66,29 +66,28 @@ def typed_as(other: T) -> Callable[[Any], T]:
 
 
 class Domain(NamedTuple):
-    """Interval of permitted values, closed or open at its lower end, and its text for messages."""
+    """Smallest and largest permitted value, and text for messages."""
 
     low: float
     high: float
     text: str
-    open_low: bool = False
 
     def holds(self, value: np.ndarray) -> np.ndarray:
         """Whether each value lies in the domain; a nan does not."""
-        above = value > self.low if self.open_low else value >= self.low
-        return above & (value <= self.high)
+        return (value >= self.low) & (value <= self.high)
 
 
 LARGEST = np.finfo(np.float64).max  # the largest number that is not infinite
+SMALLEST = np.nextafter(0.0, 1.0)  # the smallest number > 0
 RIGHT = float(np.float32(np.pi / 2))  # right angle in single precision, larger than in double
 ANY = Domain(-LARGEST, LARGEST, "any finite number")
-POSITIVE = Domain(0.0, LARGEST, "> 0", open_low=True)
+POSITIVE = Domain(SMALLEST, LARGEST, "> 0")
 DOMAINS = {  # by the name of an argument or of a field; all others have `ANY`
     "friction": Domain(0.0, np.inf, ">= 0"),
     "restitution": Domain(0.0, 1.0, "between 0 and 1"),
     "tilt": Domain(-RIGHT, RIGHT, "between -pi/2 and pi/2"),
-    "mass": Domain(0.0, np.inf, "> 0 (inf: keeps its velocity and spin)", open_low=True),
-    "gamma": Domain(1.0, 1e6, "> 1, which throws a rod up, and at most 1e6", open_low=True),
+    "mass": Domain(SMALLEST, np.inf, "> 0 (inf: keeps its velocity and spin)"),
+    "gamma": Domain(np.nextafter(1.0, 2.0), 1e6, "> 1, which throws a rod up, and at most 1e6"),
     "shortest_flight": Domain(1e-12, 0.1, "between 1e-12 and 0.1 (periods)"),
     **dict.fromkeys(("k", "length", "diameter", "approach_ratio", "fall_speed"), POSITIVE),
 }
@@ -131,6 +130,14 @@ def _refuse_unlike(values: Mapping[str, Any]) -> None:
                 f"{one} and {other} must have equal labels, got {unlike[0]!r:.60} where the other "
                 f"has {unlike[1]!r:.60}; align them, or pass plain arrays"
             )
+
+
+def fields_of(name: str, value: Any, kind: Any) -> dict[str, Any]:
+    """Fields of a named tuple by names as `geometry.k`; raises `InputError` for anything else."""
+    fields = kind._fields
+    if not isinstance(value, tuple | list | np.ndarray) or len(value) != len(fields):
+        raise InputError(f"{name} must be ({', '.join(fields)}), got {value!r}")
+    return {f"{name}.{field}": part for field, part in zip(fields, value, strict=True)}
 
 
 def domain_of(name: str) -> Domain:

@@ -21,7 +21,6 @@ from . import collision as plain
 from ._arguments import domain_of, real_arrays, typed_as
 from ._impacts import Impacts, Regime, ordinary
 from ._jit import kernel
-from .geometry import ContactGeometry
 
 __all__ = ["KERNELS", "Impacts", "collide", "collide_newton", "collide_poisson", "collide_stronge"]
 
@@ -67,7 +66,7 @@ def _smaller(a, b):
     return a if a < b else b
 
 
-_known: dict[str, Any] = {
+_known = {
     "split": _split,
     "two_product": _two_product,
     "select": _select,
@@ -110,9 +109,8 @@ def _scalar_kernel(law: str) -> Any:
     return kernel(collide, forceinline=True)
 
 
-KERNELS = {law: _scalar_kernel(law) for law in ("newton", "poisson", "stronge")}
+KERNELS = {law: _scalar_kernel(law) for law in plain.LAWS}
 collide_newton, collide_poisson, collide_stronge = KERNELS.values()
-_IMPACTS_A_CALL = 1 << 18  # some 20 ms: signals are seen between calls
 _LEFT = -2  # regime code of an impact that is left to NumPy: invalid, or of unusual size
 
 
@@ -151,23 +149,10 @@ def _empty(size: int) -> plain.Collision:
     return plain.Collision(*(np.empty(size, np.int8 if kind else float) for kind in plain.KINDS))
 
 
-def _part_of(group: Any, part: Any) -> Any:
-    """Named tuple with a part of each of its arrays."""
-    return group._make(array[part] for array in group)
-
-
 @typed_as(plain.collide)
 def collide(
-    c_x: Any,
-    c_z: Any,
-    omega: Any = 0.0,
-    *,
-    geometry: ContactGeometry,
-    friction: Any,
-    restitution: Any,
-    plate_velocity: Any = 0.0,
-    law: str = "newton",
-) -> plain.Collision:
+    c_x, c_z, omega=0.0, *, geometry, friction, restitution, plate_velocity=0.0, law="newton"
+):
     """`impact.collide`, compiled: the same arguments, the same numbers, the same errors.
 
     Parameters
@@ -186,18 +171,16 @@ def collide(
     plain.law_of(law)
     given = plain.arguments(c_x, c_z, omega, geometry, friction, restitution, plate_velocity)
     arrays, dtype = real_arrays(given, map(domain_of, given))
-    shape = np.broadcast_shapes(*(array.shape for array in arrays))
+    shape = np.broadcast(*arrays).shape
     with np.errstate(all="ignore"):
         arrays = [array.astype(float, copy=False) for array in arrays]
-    impacts = Impacts(*(np.ravel(x if x.shape == shape else np.full(shape, x)) for x in arrays))
-    results = _empty(impacts.c_x.size)
-    parts = (slice(i, i + _IMPACTS_A_CALL) for i in range(0, impacts.c_x.size, _IMPACTS_A_CALL))
-    if sum(_loop(law)(_part_of(impacts, part), _part_of(results, part)) for part in parts):
-        left = results.regime == _LEFT
-        rest = _part_of(impacts, left).collide(plain.collide, law)
-        for result, values in zip(results, rest, strict=True):
-            result[left] = values
-    with np.errstate(all="ignore"):
+        impacts = Impacts(*(np.ravel(x if x.shape == shape else np.full(shape, x)) for x in arrays))
+        results = _empty(impacts.c_x.size)
+        if _loop(law)(impacts, results):
+            left = results.regime == _LEFT
+            rest = Impacts(*(array[left] for array in impacts)).collide(plain.collide, law)
+            for result, values in zip(results, rest, strict=True):
+                result[left] = values
         fields = [
             (x if kind else x.astype(dtype, copy=False)).reshape(shape)[()]
             for x, kind in zip(results, plain.KINDS, strict=True)

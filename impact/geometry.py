@@ -12,6 +12,7 @@ from ._arguments import (
     Number,
     Numbers,
     evaluated,
+    fields_of,
     labels_of,
     shown,
     typed_as,
@@ -41,11 +42,7 @@ class ContactGeometry(NamedTuple, Generic[Number]):
 
 def lengths_of(geometry: ContactGeometry) -> dict[str, Any]:
     """X, Z and k of a contact geometry by name; raises `InputError` for anything else."""
-    try:
-        X, Z, k = geometry if isinstance(geometry, tuple | list | np.ndarray) else ()
-    except ValueError:
-        raise InputError(f"geometry must be (X, Z, k), got {geometry!r}") from None
-    return {"geometry.X": X, "geometry.Z": Z, "geometry.k": k}
+    return fields_of("geometry", geometry, ContactGeometry)
 
 
 def unit_lengths(X: Any, Z: Any, k: Any) -> tuple[Any, Any, Any]:

@@ -1,12 +1,13 @@
 """Frictional impact of any two bodies that meet at a point; a rod on a plate is one such pair."""
 
+from functools import partial
 from typing import Any, Generic, NamedTuple, overload
 
 import numpy as np
 
 from . import _generated as closed
 from . import _kernel as kernel
-from ._arguments import Code, Codes, InputError, Number, Numbers, evaluated, shown
+from ._arguments import Code, Codes, InputError, Number, Numbers, evaluated, fields_of, shown
 from ._impacts import Regime
 from ._select import select
 from ._twofold import Twofold, quotient
@@ -82,13 +83,6 @@ class PairCollision(NamedTuple, Generic[Number, Code]):
     P_x: Number
     P_z: Number
     energy_change: Number
-
-
-def _arguments(name: str, body: Body) -> dict[str, Any]:
-    """Fields of a body by name; raises `InputError` for anything else."""
-    if not isinstance(body, tuple | list | np.ndarray) or len(body) != len(Body._fields):
-        raise InputError(f"{name} must be ({', '.join(Body._fields)}), got {body!r}")
-    return {f"{name}.{field}": value for field, value in zip(Body._fields, body, strict=True)}
 
 
 def _impact(final_velocity: Any, *block: Any) -> tuple[Any, ...]:
@@ -213,16 +207,14 @@ def collide_pair(
     >>> hit.regime.name, float(hit.second.c_z), round(float(hit.second.omega), 2)
     ('SLIP_STICK', -1.0, -0.72)
     """
-    final_velocity = law_of(law)
     given = {
-        **_arguments("first", first),
-        **_arguments("second", second),
+        **fields_of("first", first, Body),
+        **fields_of("second", second, Body),
         "friction": friction,
         "restitution": restitution,
     }
     kinds = [None] * 6 + [Regime] + [None] * 3
-    *velocities, regime, P_x, P_z, energy = evaluated(
-        lambda *block: _impact(final_velocity, *block), given, kinds
-    )
+    block = partial(_impact, law_of(law))
+    *velocities, regime, P_x, P_z, energy = evaluated(block, given, kinds)
     one, other = Body(*first[:4], *velocities[:3]), Body(*second[:4], *velocities[3:])
     return PairCollision(one, other, regime, P_x, P_z, energy)

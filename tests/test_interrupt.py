@@ -17,7 +17,7 @@ import figures.__main__
 import impact
 import md
 from derivations import files
-from impact import _interrupt, _jit, benchmark, bouncing, compiled
+from impact import _interrupt, _jit, bouncing
 from md import cache, command_line, interrupt
 from md.files import replacing
 from md.host import prepare
@@ -164,19 +164,15 @@ def test_what_lasts_for_hours_can_be_stopped(last, alarm):
 
 
 def test_parts_give_the_bits_of_the_whole(monkeypatch):
-    """Landings, transient or not, impacts, those left to NumPy too, and a soft contact do."""
+    """Landings, transient or not, and a soft contact do."""
 
     def results():
         held = bouncing.record(impact.thin_rod(0.3), **HELD, landings=60, transient=25)
-        impacts = benchmark.random_impacts(50)
-        impacts.restitution[::7] = np.nan
-        hit = impacts.collide(compiled.collide)
         soft = md.impact(0.3, 0.5, -1.0, friction=0.4, dt=1e-5)[:-1]
-        return [array.tobytes() for array in (*held, *hit)], soft
+        return [array.tobytes() for array in held], soft
 
     whole = results()
     monkeypatch.setattr(bouncing, "_LANDINGS_A_CALL", 10)
-    monkeypatch.setattr(compiled, "_IMPACTS_A_CALL", 9)
     monkeypatch.setattr(md.soft_impact, "_STEPS_A_CALL", 100)
     assert results() == whole
 
