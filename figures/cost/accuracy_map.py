@@ -34,15 +34,14 @@ def _map(cells: tuple[int, int], samples: int) -> Data:
     impacts = Impacts(*(column.ravel() for column in columns))
     true = reference(impacts)
 
-    def worst(got, *fields):
-        return true.ulp(got, *fields).reshape(inside.shape[1:]).max(0)
+    def worst(got):
+        return true.ulp(got, PRINTED_FIELDS).reshape(inside.shape[1:]).max(0)
 
-    ours = impacts.collide(collide)
     return {
         "tilt": tilt,
         "friction": 10**decade,
-        "ours": worst(ours, PRINTED_FIELDS),
-        "literal": worst(literal(impacts), PRINTED_FIELDS),
+        "ours": worst(impacts.collide(collide)),
+        "literal": worst(literal(impacts)),
     }
 
 

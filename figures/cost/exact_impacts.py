@@ -1,8 +1,8 @@
 """What figures measure errors against: impacts in many digits, and the paper's formulas as printed.
 
-`exact` runs the generated closed forms on mpmath numbers, one impact at a time and only the regime
-that holds. `literal` evaluates the formulas of the paper's Sec. IV in the structure in which they
-are printed, with their mistakes corrected but nothing rewritten.
+`exact` runs the text of the impact map on mpmath numbers, one impact at a time. `literal` evaluates
+the formulas of the paper's Sec. IV in the structure in which they are printed, with their mistakes
+corrected but nothing rewritten.
 """
 
 from collections.abc import Callable
@@ -13,7 +13,6 @@ import mpmath
 import numpy as np
 
 from impact import Regime, collide
-from impact import _generated as closed
 from impact._impacts import Impacts
 from impact.benchmark import random_impacts
 
@@ -24,49 +23,31 @@ DIGITS = 50  # of what errors are measured against
 FIELDS = ("c_x", "c_z", "P_x", "P_z", "omega")
 
 
-def _final_velocity(law, epsilon, v_0, v_1, j_1, N, N_after):
-    """v_f of an impact in which the slip stops after an impulse j_1 over k^2."""
-    if law == "newton":
-        return -epsilon * v_0
-    # a late stop needs N > 0
-    w, r = closed.slopes(j_1, N, N_after) if N else (N_after * j_1, None)
-    if law == "poisson":
-        if v_1 < 0:
-            return closed.poisson_early(epsilon, v_1, w)
-        return closed.poisson_late(epsilon, v_0, v_1, r)
-    if v_1 < 0:
-        return mpmath.sqrt(closed.stronge_early(epsilon, v_0, v_1, w))
-    return mpmath.sqrt(closed.stronge_late(epsilon, v_0, v_1, r))
+@cache
+def _map() -> dict[str, Any]:
+    """Functions of `impact._kernel` for numbers of many digits, whose sums need no second part."""
+    from derivations.kernel import KERNEL, loaded
+
+    return loaded(
+        KERNEL.read_text(encoding="utf-8"),
+        {
+            "select": lambda condition, a, b: a if condition else b,
+            "larger": max,
+            "smaller": min,
+            "copysign": lambda size, sign: -size if sign < 0 else size,
+            "sqrt": mpmath.sqrt,
+            "split": lambda a: a,
+            "two_sum": lambda a, b: (a + b, 0),
+            "two_product": lambda a, b: (a * b, 0),
+        },
+    )
 
 
 def exact(row: Any, law: str = "newton") -> tuple[Regime, tuple]:
     """Regime and the `FIELDS` of one impact that approaches, in the digits of `row`'s numbers."""
-    c_x, c_z, omega, V_z, X, Z, k, mu, epsilon = row
-    u_0, v_0 = closed.approach(c_x, c_z, omega, V_z, X, Z)
-    side = 1 if (u_0 or X * Z) >= 0 else -1
-    X, u_0 = side * X, abs(u_0)
-    N, T = closed.slip_response(X, Z, k, mu)
-    N_back, T_back = closed.slip_response(X, Z, k, -mu)
-    push, lift, turn, back = closed.slip(X, Z, k, mu)
-    gain = -(1 + epsilon) * v_0
-    if u_0 > 0 and N > 0 and u_0 * N >= gain * T:
-        regime, j_2 = Regime.SLIDE, 0
-        j_1, _ = closed.slide(gain, u_0, N, T)
-        after = (push, lift, back)
-    else:
-        regime = Regime.SLIP_STICK if T_back <= 0 else Regime.SLIP_REVERSAL
-        K_z = k * k + Z * Z
-        K = K_z + X * X
-        sticks = regime == Regime.SLIP_STICK
-        j_1, rise = closed.stop(u_0, N, T) if u_0 else (mpmath.mpf(0), 0)
-        v_1 = v_0 + rise
-        N_after = closed.stick_response(k, K, K_z) if sticks else N_back
-        v_f = _final_velocity(law, epsilon, v_0, v_1, j_1, N, N_after)
-        j_2, _ = closed.reverse(v_f - v_1, K if sticks else N_back, T_back)
-        after = closed.stick(X, Z, K_z) if sticks else (push, lift, back)
-    first = (-push, lift, turn)
-    P_x, P_z, spin = (a * j_1 + b * j_2 for a, b in zip(first, after, strict=True))
-    return regime, (c_x + side * P_x, c_z + P_z, side * P_x, P_z, omega + side * spin)
+    space = _map()
+    c_x, c_z, omega, regime, P_x, P_z, *_ = space["impact"](space[law], row)
+    return Regime(regime), (c_x, c_z, P_x, P_z, omega)
 
 
 class Reference(NamedTuple):
@@ -77,18 +58,15 @@ class Reference(NamedTuple):
     low: np.ndarray
     scale: np.ndarray
 
-    def error(self, got: Any, fields: tuple[str, ...] = FIELDS) -> np.ndarray:
-        """Largest error of the named fields of `got`, relative to the scale.
+    def ulp(self, got: Any, fields: tuple[str, ...] = FIELDS) -> np.ndarray:
+        """Largest error of the named fields of `got`, in units in the last place of the scale."""
+        return self.error(got, fields, np.spacing(self.scale))
+
+    def error(self, got: Any, fields: tuple[str, ...], unit: np.ndarray) -> np.ndarray:
+        """Largest error of the named fields of `got`, each in a unit of its own, as the scale.
 
         `got` may hold more impacts after those of the reference.
         """
-        return self._worst(got, fields, self.scale)
-
-    def ulp(self, got: Any, fields: tuple[str, ...] = FIELDS) -> np.ndarray:
-        """Largest error of the named fields of `got`, in units in the last place of the scale."""
-        return self._worst(got, fields, np.spacing(self.scale))
-
-    def _worst(self, got, fields, unit):
         rows, n = [FIELDS.index(field) for field in fields], len(self.regime)
         values = np.stack([np.asarray(getattr(got, field)[:n], float) for field in fields])
         error = np.abs((values - self.high[rows]) - self.low[rows]) / unit[rows]
