@@ -59,7 +59,7 @@ def test_restitution_of_readings_head_on():
     d = data("appendix_a")
     printed = head_on(lambda x, v: 5e6 * abs(x) ** 1.5 + 200 * x * v)
     plain = head_on(lambda x, v: 5e6 * abs(x) ** 1.5 + 200 * v)
-    found = d["restitution"][:, 0, 0, list(d["speed"]).index(1.0), 0]
+    found = d["restitution"][:, 0, 0, 0]
     assert_allclose(found, [printed, plain, plain], atol=3e-4)
 
 
@@ -177,8 +177,8 @@ def test_the_data_are_those_of_the_census():
     d = data("landing_census")
     scene = md.load("quasi2d", ["step.size=none", *SETTINGS, "plate.acceleration=2"])
     with tiny():
-        assert d["gamma_slide"][0, 0] == measures(census(scene, MOST_PERIODS)[0])["slide"][0]
-    assert np.isnan(d["constraint_isolated_residual"][0, 0])
+        assert d["gamma_slide"][0] == measures(census(scene, MOST_PERIODS)[0])["slide"][0]
+    assert np.isnan(d["constraint_isolated_residual"][0])
     for offset, regime in ((-0.1, Regime.SLIP_STICK), (0.1, Regime.SLIP_REVERSAL)):
         tilt = np.radians(landing_census.reversal_tilt() + offset)
         rod = ContactGeometry(HALF * np.sin(tilt), HALF * np.cos(tilt) + 0.5, 9.5 / 12**0.5)
@@ -255,7 +255,6 @@ def test_restitution_is_that_of_unpushed_touches_where_there_are_enough():
         of_all = rows[:, touches.LEAVING].sum() / -rows[:, touches.APPROACH].sum()
         expected = 0.6 if few == closure.ENOUGH else of_all
         assert found["restitution"][0] == pytest.approx(expected)
-        assert found["alone"][0] == few / len(before)
 
 
 def test_no_balance_that_friction_cannot_keep():

@@ -52,8 +52,14 @@ def _mapped(rows, arms, k, friction, plate, v_f, pull):
     v_0 = towards + omega * arms[0]
     with np.errstate(divide="ignore", invalid="ignore"):
         restitution = np.where(v_0 < 0, -v_f / v_0, -np.inf)
-    given = {"friction": friction, "restitution": np.clip(restitution, 0, 1)}
-    hit = collide(c_x, towards, omega, geometry=ContactGeometry(*arms, k), **given)
+    hit = collide(
+        c_x,
+        towards,
+        omega,
+        geometry=ContactGeometry(*arms, k),
+        friction=friction,
+        restitution=np.clip(restitution, 0, 1),
+    )
     miss = np.array([x - hit.c_x, z - plate[1] - pull - hit.c_z, k * (turn - hit.omega)])
     return np.linalg.norm(miss, axis=0), hit.regime, restitution
 
@@ -138,7 +144,6 @@ def measures(c: Census) -> dict[str, tuple[float, float]]:
         weight = c.jump * members
         for regime, name in enumerate(("slide", "stick", "reversal"), start=1):
             found[part + name] = _share(c, c.seen == regime, weight)
-        found[f"{part}agree"] = _share(c, c.seen == c.mapped, weight)
         for name in ("residual", "allowed", "kick"):
             found[part + name] = _share(c, getattr(c, name) / size, weight)
     return found

@@ -36,7 +36,6 @@ from ..lib.runs import (
     LENGTH,
     RESTITUTION,
     ROW,
-    SEEDS,
     TILT_SCAN_WORDS,
     boxes,
     gathered,
@@ -45,6 +44,8 @@ from ..lib.runs import (
     paper_rod,
     periods_of,
     planned,
+    starts,
+    with_error,
 )
 from ..lib.style import (
     BLACK,
@@ -116,10 +117,17 @@ def mean_drift(
     # v_f = -restitution v_0 with both impulses known: P_x = gain, P_z = (1 + turned) c_z'
     driven = (1 + restitution) * (V_z - spin * rod.X) + x * z * gain
     rise = driven / (1 - restitution * turned + (1 + turned) * x**2)
-    given = {"geometry": rod, "friction": friction, "restitution": restitution}
 
     def excess(c_x: float) -> float:
-        hit = collide(c_x, -turned * rise, spin, plate_velocity=V_z, **given)
+        hit = collide(
+            c_x,
+            -turned * rise,
+            spin,
+            geometry=rod,
+            friction=friction,
+            restitution=restitution,
+            plate_velocity=V_z,
+        )
         return float(hit.c_x) - c_x - gain
 
     far = 1e3 * (abs(rise) + abs(V_z) + abs(spin) * rod.k)
@@ -139,7 +147,7 @@ def measures(rows: np.ndarray, per: int) -> dict[str, tuple[float, float]]:
     Returns
     -------
     Velocities before and after (`SIDES`), V_z of the plate, the restitution of touches in which
-    nobody pushes (of all, if there are fewer than `ENOUGH`), `alone`: share of these touches.
+    nobody pushes (of all, if there are fewer than `ENOUGH`).
     """
     rows = rows[np.isfinite(rows[:, touches.FLIGHT])]
     alone = rows[:, touches.PUSHED] == 0
@@ -155,7 +163,6 @@ def measures(rows: np.ndarray, per: int) -> dict[str, tuple[float, float]]:
         **{name: mean(rows[:, touches.BEFORE + i]) for i, name in enumerate(SIDES)},
         "V_z": mean(rows[:, touches.PLATE]),
         "restitution": mean(rows[:, touches.LEAVING] * among, -rows[:, touches.APPROACH] * among),
-        "alone": mean(alone.astype(float)),
     }
 
 
@@ -176,8 +183,7 @@ def balanced(scene: md.Scene, periods: int) -> dict[str, Any]:
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
     """Sweep of the row over tilt that measures touch by touch."""
     tilts = QUICK_TILTS_DEG if quick else CLOSURE_TILTS_DEG
-    seeds: dict[str, list] = {"start.seed": [1, 2]} if quick else SEEDS
-    axes: list[dict[str, list]] = [{"box.length": boxes(tilts)}, seeds]
+    axes = [{"box.length": boxes(tilts)}, starts(2 if quick else 4)]
     return {"tilt": planned(axes, periods_of(quick), measure=balanced)}
 
 
@@ -251,9 +257,9 @@ def data(quick: bool = False) -> Data:
     landed = scene.cm_per_s * drifts(tilt, speed, closures_of(of, LANDED))[: len(STEPS)]
 
     nominal = np.degrees(np.arccos(scene.rods.count / sweep.values("box.length")))
-    found: Data = {"nominal_deg": nominal}
+    found: Data = {}
     for name in ("drift", "tilt"):
-        found[name], found[f"{name}_error"] = larger_error(*np.moveaxis(of[name], -1, 0))
+        found |= with_error(name, *larger_error(*np.moveaxis(of[name], -1, 0)))
     units = {"V_z": speed, "gain": speed, "spin": 2 * speed / LENGTH}
     larger = nominal > SMALL_DEG
     for name, values in {
@@ -264,7 +270,7 @@ def data(quick: bool = False) -> Data:
         "left_larger": left(row[larger], steps[:, larger]),
         "left_landing": left(row, landed),
     }.items():
-        found[name], found[f"{name}_error"] = over_seeds(values)
+        found |= with_error(name, *over_seeds(values))
     return found
 
 
@@ -299,14 +305,18 @@ def _draw_assumed(ax: Axes, d: Data) -> None:
 def _draw_left(ax: Axes, d: Data) -> None:
     y, names = np.arange(len(STEPS)), list(STEPS.values())
     sets = ((-0.2, "left", BLACK, "all tilts"), (0.2, "left_larger", BLUE, f"> {SMALL_DEG}°"))
-    error_kw = {"elinewidth": 0.7, "ecolor": "0.6"}
+    thin = {"elinewidth": 0.7, "ecolor": "0.6"}
     for off, name, colour, label in sets:
-        bars = {"xerr": d[f"{name}_error"], "color": colour, "label": label, "error_kw": error_kw}
-        ax.barh(y + off, d[name], 0.4, **bars)
-    look = {"form": "D", "hollow": True, "label": "it alone", "xerr": d["left_single_error"]}
-    points(ax, d["left_single"], FIRST + np.arange(len(ASSUMED)), None, RED, **look)
-    look = {"form": "^", "label": "landings", "xerr": d["left_landing_error"][FIRST:-1]}
-    points(ax, d["left_landing"][FIRST:-1], y[FIRST:-1], None, ORANGE, **look)
+        error = d[f"{name}_error"]
+        ax.barh(y + off, d[name], 0.4, xerr=error, color=colour, label=label, error_kw=thin)
+    places, error = FIRST + np.arange(len(ASSUMED)), d["left_single_error"]
+    look = {"form": "D", "hollow": True, "label": "it alone"}
+    points(ax, d["left_single"], places, None, RED, xerr=error, **look)
+    some = slice(FIRST, -1)
+    error = d["left_landing_error"][some]
+    points(
+        ax, d["left_landing"][some], y[some], None, ORANGE, xerr=error, form="^", label="landings"
+    )
     ax.set_yticks(y, [names[0], *(f"+ {name}" for name in names[1:])])
     ax.margins(x=0.5)  # for the legend
     ax.set(xlabel="misfit / row", xlim=(0, None))

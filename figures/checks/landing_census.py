@@ -23,7 +23,7 @@ from impact import critical_friction
 from md.scene import both, put, read_tables
 from md.sweep import Sweep
 
-from ..lib.runs import FRICTION, GAMMA, gathered, paper_rod, planned
+from ..lib.runs import FRICTION, GAMMA, gathered, paper_rod, planned, with_error
 from ..lib.style import (
     ANOTHER,
     BLACK,
@@ -33,8 +33,8 @@ from ..lib.style import (
     SIMULATED,
     SKY,
     Data,
+    curve,
     name_panels,
-    points,
     style,
     tilt_axis,
 )
@@ -57,10 +57,8 @@ CENSUS_ROW = put(read_tables("quasi2d"), {"step.size": "none"})
 CONTACT_NAMES = {"constraint": "constraint", "appendix_a": "Appendix A"}
 KINDS = {"pushed_residual": "s:", "isolated_residual": "o-", "isolated_allowed": "^--"}  # of errors
 KIND_NAMES = "pushed", "isolated", "allowed for"
-STORED = (
-    *("tilt", "isolated_count", "slide", "stick", "reversal", "shared", "disturbed"),
-    *KINDS,
-)
+ISOLATED = "isolated_residual", "isolated_allowed"
+STORED = "tilt", "slide", "stick", "reversal", "shared", "disturbed", "pushed_residual", *ISOLATED
 
 
 def one_row(quick: bool) -> Sweep:
@@ -91,27 +89,25 @@ def reversal_tilt() -> float:
 
 
 def data(quick: bool = False) -> Data:
-    """Measures over what each sweep varies: a column (value, error) each, or a number."""
-    found = {"reversal_tilt_deg": np.float64(reversal_tilt())}
+    """Measures over what each sweep varies, with their errors."""
+    found = {"reversal_tilt_deg": reversal_tilt()}
     for name, sweep in sweeps(quick).items():
         found[name] = sweep.values(VARIED[name][0])
-        for measure, values in zip(STORED, gathered(sweep, *STORED), strict=True):
-            found[f"{name}_{measure}"] = values
+        *measured, isolated = gathered(sweep, *STORED, "isolated_count")
+        for measure, values in zip(STORED, measured, strict=True):
+            some = measure not in ISOLATED or isolated >= FEWEST_ISOLATED
+            mean, error = np.where(some, values.T, np.nan)
+            found |= with_error(f"{name}_{measure}", mean, error)
     return found
 
 
 SHARE = {"ylabel": "share of touches", "ylim": (0, 1.03)}
 
 
-def _curve(ax, x, pairs, colour, label=None, form="o-") -> None:
-    """Draw columns (value, error) as points with their errors, joined."""
-    points(ax, x, *pairs.T, colour, label=label, form=form)
-
-
 def _draw_regimes(ax, d) -> None:
-    x = d["constraint_tilt"][:, 0]
     for name, colour in zip(REGIME_WORDS.values(), REGIME_COLOURS, strict=True):
-        _curve(ax, x, d[f"constraint_{name.split('-')[-1].split()[-1]}"], colour, name)
+        measure = name.split("-")[-1].split()[-1]
+        curve(ax, d, "constraint_tilt", f"constraint_{measure}", colour, name)
     ax.set(**SHARE | {"ylim": (0, 1.6)})
     ax.legend(loc="upper right")
 
@@ -124,17 +120,15 @@ def _draw_company(ax, d) -> None:
         "pushed, Appendix A": ("appendix_a", "shared", PRINTED_LAW),
     }
     for name, (law, measure, colour) in curves.items():
-        _curve(ax, d[f"{law}_tilt"][:, 0], d[f"{law}_{measure}"], colour, name)
+        curve(ax, d, f"{law}_tilt", f"{law}_{measure}", colour, name)
     ax.set(**SHARE | {"ylim": (0, 1.6)})
     ax.legend(loc="upper right")
 
 
 def _draw_residual(ax, d) -> None:
     for law, colour in zip(CONTACTS, (SIMULATED, PRINTED_LAW), strict=True):
-        tilt, some = d[f"{law}_tilt"][:, 0], d[f"{law}_isolated_count"] >= FEWEST_ISOLATED
         for kind, form in KINDS.items():
-            here = some | (kind == "pushed_residual")
-            _curve(ax, tilt[here], d[f"{law}_{kind}"][here], colour, form=form)
+            curve(ax, d, f"{law}_tilt", f"{law}_{kind}", colour, form=form)
         ax.plot([], [], color=colour, label=CONTACT_NAMES[law])
     for form, name in zip(KINDS.values(), KIND_NAMES, strict=True):
         ax.plot([], [], form, color="0.4", ms=3, lw=0.7, label=name)
@@ -144,11 +138,10 @@ def _draw_residual(ax, d) -> None:
 
 def _draw_shares(ax, d, sweep: str) -> None:
     """Draw shares of landings and errors of the map over what a sweep changes."""
-    x = d[sweep]
-    _curve(ax, x, d[f"{sweep}_shared"], ANOTHER, "pushed")
-    _curve(ax, x, d[f"{sweep}_slide"], REGIME_COLOURS[0], "slide")
+    curve(ax, d, sweep, f"{sweep}_shared", ANOTHER, "pushed")
+    curve(ax, d, sweep, f"{sweep}_slide", REGIME_COLOURS[0], "slide")
     for kind, name in zip(KINDS, KIND_NAMES[:2], strict=False):
-        _curve(ax, x, d[f"{sweep}_{kind}"], BLACK, f"error, {name}", form=KINDS[kind])
+        curve(ax, d, sweep, f"{sweep}_{kind}", BLACK, f"error, {name}", form=KINDS[kind])
     ax.set(**SHARE | {"ylabel": "share; error / change"})
     ax.legend()
 

@@ -16,7 +16,18 @@ from matplotlib.patheffects import withStroke
 from impact import critical_friction, drift, spherocylinder
 from md.sweep import Sweep
 
-from ..lib.runs import BOX, COUNT, GAMMA, LAW_NAME, LENGTH, ROW, means, planned, plate_speed_cm_s
+from ..lib.runs import (
+    BOX,
+    BOX_TILT,
+    GAMMA,
+    LAW_NAME,
+    LENGTH,
+    ROW,
+    means,
+    planned,
+    plate_speed_cm_s,
+    starts,
+)
 from ..lib.style import (
     BLACK,
     CENTRED,
@@ -29,6 +40,7 @@ from ..lib.style import (
     note,
     points,
     style,
+    zero_line,
 )
 from ..paper.fig02 import AT_TOUCH
 
@@ -44,7 +56,7 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
         friction = [0.001, 0.004, 0.02, 0.06, 0.12, 0.2, 0.3, 0.6, 2.0]
         restitution = {0.3, 0.5, OF_LAW, 0.95}
     axes = [{"contacts.plate.friction": friction}]
-    axes += [{"contacts.plate.restitution": sorted(restitution)}, {"start.seed": [1, 2]}]
+    axes += [{"contacts.plate.restitution": sorted(restitution)}, starts(2)]
     changes = {"box.length": BOX, "rods.inertia": "solid"}
     return {"grid": planned(axes, 30 if quick else 150, changes)}
 
@@ -54,7 +66,7 @@ def data(quick: bool = False) -> Data:
     sweep = sweeps(quick)["grid"]
     friction = sweep.values("contacts.plate.friction")
     epsilon = sweep.values("contacts.plate.restitution")
-    rod, speed = spherocylinder(np.arccos(COUNT / BOX), LENGTH), plate_speed_cm_s()
+    rod, speed = spherocylinder(BOX_TILT, LENGTH), plate_speed_cm_s()
     fine = np.geomspace(friction[0], friction[-1], 200)
     half = {"plate_velocity": speed / 2}
     return {
@@ -64,8 +76,8 @@ def data(quick: bool = False) -> Data:
         "theory": drift(rod, friction=friction[:, None], restitution=epsilon, **half).c_x,
         "fine_friction": fine,
         "fine_theory": drift(rod, friction=fine, restitution=OF_LAW, **half).c_x,
-        "critical": np.float64(critical_friction(rod)),
-        "nominal_deg": np.degrees(np.arccos(COUNT / BOX)),
+        "critical": critical_friction(rod),
+        "nominal_deg": np.degrees(BOX_TILT),
     }
 
 
@@ -94,7 +106,7 @@ def draw(d: Data) -> plt.Figure:
     label = r"theory, measured $V_z$"
     points(c, d["friction"], scaled, None, RIGID, form="s-", ms=2.5, label=label)
     c.axvline(d["critical"], 0, 0.67, color=BLACK, lw=0.8)
-    c.axhline(0, color="0.6", lw=0.6)
+    zero_line(c)
     c.set(xscale="log", xlabel=r"friction $\mu$ of the plate", ylabel=r"$c_x$ (cm/s)")
     c.set_ylim(min(0, 1.1 * np.nanmin(d["c_x"][:, cut])), 1.35 * max(scaled.max(), top))
     c.legend(loc="upper left")

@@ -23,6 +23,8 @@ from ..lib.runs import (
     larger_error,
     over_seeds,
     planned,
+    starts,
+    with_error,
 )
 from ..lib.style import Data, legend_above, note, painted, points, shades, style
 from .row_motion import averaged
@@ -43,13 +45,13 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
         str(count): planned(
             [
                 {"box.length": boxes(SIZE_TILTS_DEG[quick], count)},
-                {"start.seed": [*range(1, starts + 1)]},
+                starts(seeds),
             ],
             periods,
             {"rods.count": count},
             measure=averaged,
         )
-        for count, (starts, periods) in PLANS[quick].items()
+        for count, (seeds, periods) in PLANS[quick].items()
     }
 
 
@@ -57,16 +59,14 @@ def data(quick: bool = False) -> Data:
     """Drift [cm/s] and spread of tilts [deg], (sizes, tilts) each, with standard errors."""
     rows = sweeps(quick).values()
     half = (LENGTH - 1) / 2  # the spread of tilts is stored as a length
-    drifts = np.array([larger_error(*gathered(row, "c_x", "c_x_stderr")) for row in rows])
+    drifts = [larger_error(*gathered(row, "c_x", "c_x_stderr")) for row in rows]
     stored = (gathered(row, "tilt_spread")[0] for row in rows)
-    spreads = np.array([over_seeds(np.degrees(one / half)) for one in stored])
+    spreads = [over_seeds(np.degrees(one / half)) for one in stored]
     return {
         "count": np.array([*PLANS[quick]]),
         "nominal_deg": np.array(SIZE_TILTS_DEG[quick], float),
-        "c_x": drifts[:, 0],
-        "c_x_error": drifts[:, 1],
-        "spread_deg": spreads[:, 0],
-        "spread_deg_error": spreads[:, 1],
+        **with_error("c_x", *np.stack(drifts, axis=1)),
+        **with_error("spread_deg", *np.stack(spreads, axis=1)),
     }
 
 

@@ -29,6 +29,8 @@ from ..lib.runs import (
     gathered,
     over_seeds,
     planned,
+    starts,
+    with_error,
 )
 from ..lib.style import (
     BLACK,
@@ -41,6 +43,7 @@ from ..lib.style import (
     points,
     shades,
     style,
+    zero_line,
 )
 from . import row_motion
 from .row_motion import SEEN, driven, followed
@@ -48,12 +51,10 @@ from .row_motion import SEEN, driven, followed
 STATES = "block", "zig-zag", "single rods", "fallen"
 BLOCK, ZIGZAG, SINGLE, FALLEN = range(4)
 MISSING = -1  # state of a run that was lost
-STATE_RULES = {
-    "common": 0.9,  # share of the vertical motion from which on a row is a block
-    "order": -0.5,  # correlation of neighbours up to which they stand by turns
-    "spread": 0.01,  # departures [d] from which on they are seen
-    "fallen": 0.02,  # share of rods from which on a row has fallen
-}
+BLOCK_COMMON = 0.9  # share of the vertical motion from which on a row is a block
+ZIGZAG_ORDER = -0.5  # correlation of neighbours up to which they stand by turns
+ZIGZAG_SPREAD = 0.01  # departures [d] from which on they are seen
+FALLEN_SHARE = 0.02  # share of rods from which on a row has fallen
 LOOKS = ((BLUE, "s"), (GREEN, "^"), (RED, "o"), (BLACK, "x"))  # of the states
 STARTS = {  # largest component of a velocity, height over the plate
     "start.seed": [1, 2, 3, 4],
@@ -81,8 +82,8 @@ WAYS = (RED, "o-", "up"), (BLUE, "s-", "down")  # of the tilt
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
     """Sweeps of rows over tilt, acceleration and start; long runs; tilts driven up and down."""
     tilts, gammas, periods = MAP[quick]
-    some, starts, long = LIVES[quick]
-    seeds, slow = DRIVEN[quick]
+    some, lives, long = LIVES[quick]
+    ways, slow = DRIVEN[quick]
     return {
         "map": planned(
             [
@@ -94,12 +95,12 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
             measure=followed,
         ),
         "lives": planned(
-            [{"box.length": boxes(some)}, {"start.seed": [*range(1, starts + 1)]}],
+            [{"box.length": boxes(some)}, starts(lives)],
             long,
             measure=followed,
         ),
         "driven": planned(
-            [{"box.length": boxes(row_motion.ENDS_DEG)}, {"start.seed": [*range(1, seeds + 1)]}],
+            [{"box.length": boxes(row_motion.ENDS_DEG)}, starts(ways)],
             slow,
             measure=driven,
         ),
@@ -107,7 +108,7 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
 
 
 def states(d: Data) -> np.ndarray:
-    """Index into `STATES` of each part of a run by `STATE_RULES`; `MISSING` where it was lost.
+    """Index into `STATES` of each part of a run by the rule; `MISSING` where it was lost.
 
     Parameters
     ----------
@@ -115,10 +116,10 @@ def states(d: Data) -> np.ndarray:
     """
     zigzag = np.zeros(np.shape(d["common"]), bool)
     for name in ("height", "tilt"):
-        by_turns = d[f"{name}_order"] <= STATE_RULES["order"]
-        zigzag |= by_turns & (d[f"{name}_spread"] >= STATE_RULES["spread"])
-    fallen = d["fallen"] >= STATE_RULES["fallen"]
-    block = d["common"] >= STATE_RULES["common"]
+        by_turns = d[f"{name}_order"] <= ZIGZAG_ORDER
+        zigzag |= by_turns & (d[f"{name}_spread"] >= ZIGZAG_SPREAD)
+    fallen = d["fallen"] >= FALLEN_SHARE
+    block = d["common"] >= BLOCK_COMMON
     found = np.select([fallen, zigzag, block], [FALLEN, ZIGZAG, BLOCK], SINGLE)
     return np.where(np.isfinite(d["common"]), found, MISSING)
 
@@ -168,7 +169,7 @@ def data(quick: bool = False) -> Data:
     half = state.shape[-1] // 2
     long, lived = _followed(runs["lives"])
     slow, _ = _followed(runs["driven"])
-    drift, error = over_seeds(np.moveaxis(_in_parts(slow["c_x"]), 1, -1))
+    slow_c_x = np.moveaxis(_in_parts(slow["c_x"]), 1, -1)
     return {
         "nominal_deg": np.array(tilts, float),
         "gamma": np.array(gammas),
@@ -181,15 +182,13 @@ def data(quick: bool = False) -> Data:
         "middle": np.nanmax(long["middle"].reshape(-1, lived.shape[-1]), axis=0),
         "still_there": still_there(lived),
         "driven_deg": _in_parts(slow["tilt_deg"]).mean(axis=1),
-        "driven_c_x": drift,
-        "driven_c_x_error": error,
+        **with_error("driven_c_x", *over_seeds(slow_c_x)),
     }
 
 
 def _draw_map(ax: Axes, d: Data) -> None:
-    starts = d["state"].shape[-1]
     tilt = d["nominal_deg"][:, None, None]
-    gamma = d["gamma"][:, None] + np.linspace(-BESIDE, BESIDE, starts)
+    gamma = d["gamma"][:, None] + np.linspace(-BESIDE, BESIDE, d["state"].shape[-1])
     tilt, gamma, _ = np.broadcast_arrays(tilt, gamma, d["state"])
     for each, (colour, form) in enumerate(LOOKS):
         some = d["state"] == each
@@ -211,15 +210,22 @@ def _draw_drift(ax: Axes, d: Data) -> None:
             some = (d["state"][:, at] == each) & (d["changed"][:, at] == changed)
             what = (d[name][:, at][some] for name in ("tilt_deg", "c_x", "c_x_error"))
             points(ax, *what, colour, form=form, hollow=bool(changed))
-    ax.axhline(0, color="0.6", lw=0.6)
+    zero_line(ax)
     ax.set(xlabel=r"tilt $\phi$ (deg)", ylabel=r"drift $c_x$ (cm/s)")
 
 
 def _draw_lives(ax: Axes, d: Data) -> None:
     colours = shades(len(d["lives_deg"]))
     for i, tilt in enumerate(d["lives_deg"]):
-        look = {"color": colours[i], "ls": "-" if i % 2 else (0, (5, 2)), "drawstyle": "steps-post"}
-        ax.plot(d["middle"], d["still_there"][i], label=f"{tilt:g}°", zorder=3 - i, **look)
+        ax.step(
+            d["middle"],
+            d["still_there"][i],
+            where="post",
+            color=colours[i],
+            ls="-" if i % 2 else (0, (5, 2)),
+            label=f"{tilt:g}°",
+            zorder=3 - i,
+        )
     ax.set(
         xlabel="time (periods of the plate)",
         ylabel="share not yet changed",
@@ -233,7 +239,7 @@ def _draw_driven(ax: Axes, d: Data) -> None:
     for way, (colour, form, name) in enumerate(WAYS):
         what = (d[f"driven_{part}"][way] for part in ("deg", "c_x", "c_x_error"))
         points(ax, *what, colour, form=form, label=name)
-    ax.axhline(0, color="0.6", lw=0.6)
+    zero_line(ax)
     ax.set(xlabel=r"tilt $\phi$ (deg)", ylabel=r"drift $c_x$ (cm/s)")
     ax.legend()
 

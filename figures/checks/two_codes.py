@@ -25,7 +25,7 @@ from matplotlib.axes import Axes
 from md.scene import both, put, read_tables
 from md.sweep import Sweep
 
-from ..lib.runs import SEEDS, boxes, means, over_seeds, planned
+from ..lib.runs import SEEDS, boxes, means, over_seeds, planned, with_error
 from ..lib.style import ORANGE, Data, legend_above, painted, points, style
 
 MEASURED = {  # in the columns of the table, with the names that a run has for them
@@ -69,7 +69,7 @@ def data(quick: bool = False) -> Data:
     tilts, found = other()
     d = {"nominal_deg": tilts, **means(sweeps(quick)["row"], MEASURED)}
     for name, values in zip(MEASURED, found, strict=True):
-        d[f"other_{name}"], d[f"other_{name}_error"] = over_seeds(values)
+        d |= with_error(f"other_{name}", *over_seeds(values))
     return d
 
 

@@ -114,8 +114,8 @@ def judge(quick: bool = False, progress: bool = False, out: Path | None = None) 
 
     evidence, simple, judged = Evidence(quick, out), Assumed(quick), []
     surveyed = evidence.figure("any_rods")
-    look = {"desc": "judging", "unit": "claim", "leave": False}
-    bar = tqdm(read(), disable=None if progress else True, **look)
+    quiet = None if progress else True
+    bar = tqdm(read(), desc="judging", unit="claim", leave=False, disable=quiet)
     for claim in bar:
         bar.set_postfix_str(claim["id"])
         found = _judged(claim, evidence)

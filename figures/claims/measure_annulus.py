@@ -15,10 +15,11 @@ from md.sweep import Sweep
 
 from ..lib import runs
 from ..lib.arrangement import MORE_DEG
+from ..lib.style import Data
 from ..paper import fig02, fig04
-from .evidence import Evidence
 from .uncertainty import (
     Number,
+    Numbers,
     among,
     bend,
     count,
@@ -31,7 +32,6 @@ from .uncertainty import (
     standard,
 )
 
-Numbers = dict[str, Number]
 VISIBLE = 0.02  # of the drift at the largest Gamma: what can be seen to move in a figure
 UPRIGHT_DEG, HALF_ORDER = 11.0, 0.5  # the small tilt of Fig. 5(a), generously; a broken zig-zag
 REGION_TILT_DEG = 25.0  # mean tilt at which the region of larger tilt holds half of the rods
@@ -49,9 +49,9 @@ def _shape(d: dict, name: str, key: str) -> Number:
     return among(found, d[f"{name}_tilt"]) if key in ("early", "late") else found
 
 
-@measures("S4")
-def drift_over_tilt(data: Evidence) -> Numbers:
-    keys, d = ("bend", "slope", "early", "late", "dip", "end"), data.figure("fig04")
+@measures("S4", "fig04")
+def drift_over_tilt(d: Data) -> Numbers:
+    keys = "bend", "slope", "early", "late", "dip", "end"
     more = {"narrow": ("narrow", "end"), "rest_dip": ("rest", "dip"), "rest_late": ("rest", "late")}
     return {
         **{key: _shape(d, "still", key) for key in keys},
@@ -73,9 +73,8 @@ def begins(d: dict, name: str) -> Numbers:
     return found
 
 
-@measures("S5")
-def drift_over_gamma(data: Evidence) -> Numbers:
-    d = data.figure("fig04")
+@measures("S5", "fig04")
+def drift_over_gamma(d: Data) -> Numbers:
     gamma = d["gamma"]
     far, at_rest = gamma >= 2, "rest_gamma_c_x" in d
 
@@ -85,26 +84,24 @@ def drift_over_gamma(data: Evidence) -> Numbers:
     return {
         **begins(d, "gamma_c_x"),
         "rest": begins(d, "rest_gamma_c_x")["visible"] if at_rest else count(np.nan),
-        "bend": resampled(d, lambda d: max(bend(gamma[far], y) for y in d["gamma_c_x"][far].T)),
-        "slope": resampled(d, lambda d: lines(d)[0].mean()),
-        "zero": resampled(d, lambda d: np.mean(-lines(d)[1] / lines(d)[0])),
+        "bend": lambda d: max(bend(gamma[far], y) for y in d["gamma_c_x"][far].T),
+        "slope": lambda d: lines(d)[0].mean(),
+        "zero": lambda d: np.mean(-lines(d)[1] / lines(d)[0]),
     }
 
 
-@measures("S6")
-def walls(data: Evidence) -> Numbers:
-    d = data.figure("fig04")
+@measures("S6", "fig04")
+def walls(d: Data) -> Numbers:
     rough = d["wall"] > 0
     return {
-        "rise": resampled(d, lambda d: exponents(d["wall"][rough], d["wall_c_x"][rough]).max()),
-        "all": resampled(d, lambda d: d["wall_c_x"][-1] / d["wall_c_x"][0]),
-        "paper": resampled(d, lambda d: np.divide(*np.interp([0, 0.3], d["wall"], d["wall_c_x"]))),
+        "rise": lambda d: exponents(d["wall"][rough], d["wall_c_x"][rough]).max(),
+        "all": lambda d: d["wall_c_x"][-1] / d["wall_c_x"][0],
+        "paper": lambda d: np.divide(*np.interp([0, 0.3], d["wall"], d["wall_c_x"])),
     }
 
 
-@measures("S8")
-def zigzag(data: Evidence) -> Numbers:
-    d = data.figure("fig05")
+@measures("S8", "fig05")
+def zigzag(d: Data) -> Numbers:
     low, order = d["mean"] <= UPRIGHT_DEG, d["zigzag"]
     best = int(np.argmax(np.where(low, order, -np.inf)))
     at = int(np.argmin(np.abs(d["mean"] - REGION_TILT_DEG)))
@@ -122,13 +119,12 @@ def zigzag(data: Evidence) -> Numbers:
         "rods": count(d["count"][at]),
         "leaning": entry(d, "mean", at),
         **{name: entry(d, name, at) for name in ("share", "contrast", "spread")},
-        "normal": resampled(d, lambda d: norm.sf(MORE_DEG / d["spread"][at])),
+        "normal": lambda d: norm.sf(MORE_DEG / d["spread"][at]),
     }
 
 
-@measures("S18")
-def plane_to_annulus(data: Evidence) -> Numbers:
-    d = data.figure("fig04")
+@measures("S18", "fig04")
+def plane_to_annulus(d: Data) -> Numbers:
     plane_tilt, tilt, smooth_tilt = d["plane_tilt"], d["still_tilt"], d["wall_tilt"][0]
     low, high = plane_tilt.min(), min(plane_tilt.max(), 45)
     inside = (tilt >= max(low, 10)) & (tilt <= high)
@@ -141,12 +137,11 @@ def plane_to_annulus(data: Evidence) -> Numbers:
         wall, plane = d["wall_c_x"], d["plane_c_x"]
         return np.interp(smooth_tilt, plane_tilt, plane) / wall[0]
 
-    return {"ratio": resampled(d, ratio), "smooth": resampled(d, smooth)}
+    return {"ratio": ratio, "smooth": smooth}
 
 
-@measures("S20")
-def rolling(data: Evidence) -> Numbers:
-    d = data.figure("fig04")
+@measures("S20", "fig04")
+def rolling(d: Data) -> Numbers:
     alike = np.isin(d["count"], d["rolling"])
     tilt = d["still_tilt"][alike]
     between = (tilt > fig04.MAXIMA_DEG[0]) & (tilt < fig04.MAXIMA_DEG[1])
@@ -162,7 +157,7 @@ def rolling(data: Evidence) -> Numbers:
 
     still_dip = _shape(d, "still", "dip")
     return {
-        "kept": resampled(d, kept) if still_dip.value > 0 else count(np.inf),
+        "kept": kept if still_dip.value > 0 else count(np.inf),
         "dip": _shape(d, "rolling", "dip"),
         "still_dip": still_dip,
         "faster": resampled(d, faster, "still_c_x", "rolling_c_x"),
@@ -191,9 +186,9 @@ def largest_tilt_of_flat(gap: Annulus, length: float) -> float:
     return pi / 2 if room(pi / 2) >= 0 else float(brentq(room, 0.0, pi / 2, xtol=1e-10))
 
 
-@measures("E1")
-def geometry(data: Evidence) -> Numbers:
-    scene, d = runs.ANNULUS_SCENE, data.figure("fig04")
+@measures("E1", "fig04")
+def geometry(d: Data) -> Numbers:
+    scene = runs.ANNULUS_SCENE
     gap, length = scene.annulus, scene.rods.length
     return {
         "flat": Number(np.degrees(largest_tilt_of_flat(gap, length))),
@@ -203,9 +198,8 @@ def geometry(data: Evidence) -> Numbers:
     }
 
 
-@measures("E2")
-def map_of_drift(data: Evidence) -> Numbers:
-    d = data.figure("fig02")
+@measures("E2", "fig02")
+def map_of_drift(d: Data) -> Numbers:
     gamma, kind = d["gamma"], d["kind"]
     row, annulus = reverse_drift(d), reverse_drift(d, "ring_")
     back = (kind == -1).any(axis=1)

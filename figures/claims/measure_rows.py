@@ -11,10 +11,11 @@ import md
 from impact import collide, drift, flat_ended_rod, spherocylinder
 from md.sweep import Sweep
 
-from ..checks import appendix_a, closure, phase_friction
+from ..checks import appendix_a, closure
 from ..cost.accuracy_cost_impact import gear_from_leapfrog
 from ..lib import runs as rows
 from ..lib import soft_impacts as soft
+from ..lib.style import Data
 from ..paper import fig12, fig13
 from . import over_tilt
 from .evidence import Evidence, Whole
@@ -22,6 +23,7 @@ from .measure_annulus import begins, reverse_drift
 from .over_tilt import CLEAR
 from .uncertainty import (
     Number,
+    Numbers,
     bend,
     count,
     crossing,
@@ -36,7 +38,6 @@ from .uncertainty import (
     standard,
 )
 
-Numbers = dict[str, Number]
 LEFT = "printed", "V_z", "turned", "restitution"  # of `closure.STEPS`
 LEFT_OF_LANDINGS = "V_z", "turned", "spin"  # of these as well
 
@@ -46,12 +47,10 @@ def over(sweep: Sweep, **names: str) -> dict[str, np.ndarray]:
     return Whole(rows.means(sweep, names))
 
 
-@measures("S1")
-def restitution(data: Evidence) -> Numbers:
-    d = data.figure("appendix_a")
-    one = int(np.argmin(abs(d["speed"] - 1)))
-    e, step = d["restitution"][0, 0, 0, one], float(d["step_error"])
-    nearest = appendix_a.miss(d["restitution"][..., one, :]).min()
+@measures("S1", "appendix_a")
+def restitution(d: Data) -> Numbers:
+    e, step = d["restitution"][0, 0, 0], float(d["step_error"])
+    nearest = appendix_a.miss(d["restitution"]).min()
     found = {"mean": e.mean(), "spread": np.ptp(e), "head_on": e[0], "nearest": nearest}
     return {key: Number(value, step, "halved step") for key, value in found.items()}
 
@@ -84,14 +83,13 @@ def friction(data: Evidence) -> Numbers:
     }
 
 
-@measures("S9")
-def over_gamma(data: Evidence) -> Numbers:
-    d = data.figure("fig13")
+@measures("S9", "fig13")
+def over_gamma(d: Data) -> Numbers:
     f, far = fig13.fits(d), d["gamma"] >= 2
     return {
         "power": standard(f["power"], f["power_error"]),
         **begins(d, "b_c_x"),
-        "bend": resampled(d, lambda d: bend(d["gamma"][far], d["b_c_x"][far])),
+        "bend": lambda d: bend(d["gamma"][far], d["b_c_x"][far]),
         "slope": standard(f["line_slope"], f["line_slope_error"]),
         "zero": resampled(d, lambda d: fig13.fits(d)["line_from"], "b_c_x"),
     }
@@ -106,9 +104,8 @@ def turned_round(data: Evidence) -> Numbers:
     return {"driven": resampled(d, lambda d: np.abs(1 + d["before"] / d["after"]).max())}
 
 
-@measures("S15")
-def soft_impact(data: Evidence) -> Numbers:
-    d = data.figure("fig12")
+@measures("S15", "fig12")
+def soft_impact(d: Data) -> Numbers:
     some = np.isclose(d["tilt"], soft.TABLE_TILTS[:, None]).any(axis=0)
     theory = soft.rigid(d["tilt"][some], fig12.EPSILON).regime
     found = {}
@@ -136,9 +133,8 @@ def theory(data: Evidence) -> Numbers:
     }
 
 
-@measures("S17")
-def over_length(data: Evidence) -> Numbers:
-    d = data.figure("fig13")
+@measures("S17", "fig13")
+def over_length(d: Data) -> Numbers:
     length = d["length"]
     grows, long = length <= 2, length >= 3
 
@@ -153,10 +149,10 @@ def over_length(data: Evidence) -> Numbers:
         return off_line(length[grows], d["c_c_x"][grows]) / d["c_c_x"][grows][-1]
 
     return {
-        "zero": resampled(d, zero),
-        "bend": resampled(d, off),
-        "saturation": resampled(d, saturation),
-        "spread": resampled(d, lambda d: np.ptp(d["c_c_x"][long]) / d["c_c_x"][long].mean()),
+        "zero": zero,
+        "bend": off,
+        "saturation": saturation,
+        "spread": lambda d: np.ptp(d["c_c_x"][long]) / d["c_c_x"][long].mean(),
         "peak": peak(d, "length", "c_c_x"),
     }
 
@@ -207,11 +203,10 @@ def near_onset(data: Evidence) -> Numbers:
     return found
 
 
-@measures("S24")
-def tilt_over_gamma(data: Evidence) -> Numbers:
-    d = data.figure("fig13")
+@measures("S24", "fig13")
+def tilt_over_gamma(d: Data) -> Numbers:
     return {
-        "spread": resampled(d, lambda d: np.ptp(d["b_tilt"])),
+        "spread": lambda d: np.ptp(d["b_tilt"]),
         "low": entry(d, "b_tilt", 0),
         "high": entry(d, "b_tilt", -1),
     }
@@ -223,16 +218,14 @@ SLIPPERY = 2e-3, 4e-3  # frictions of the plate
 
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
     """Sweeps that no figure shows: over frequency and tilt; long runs on a slippery plate."""
-    frequencies, seeds = ([50, 100], [1, 2]) if quick else ([*FREQUENCIES_HZ], [1, 2, 3])
-    axes = [{"plate.frequency_hz": frequencies}, {"box.length": rows.boxes(FREQUENCY_TILTS_DEG)}]
-    axes.append({"start.seed": seeds})
-    long = {"box.length": phase_friction.BOX, "rods.inertia": "solid"}
-    starts = [1, 2] if quick else [1, 2, 3, 4]
-    slippery = [{"contacts.plate.friction": [*SLIPPERY]}, {"start.seed": starts}]
-    found = rows.planned(slippery, 200 if quick else 3000, long)
+    frequencies = {"plate.frequency_hz": [50, 100] if quick else [*FREQUENCIES_HZ]}
+    tilts = {"box.length": rows.boxes(FREQUENCY_TILTS_DEG)}
+    axes = [frequencies, tilts, rows.starts(2 if quick else 3)]
+    slippery = [{"contacts.plate.friction": [*SLIPPERY]}, rows.starts(2 if quick else 4)]
+    long = {"box.length": rows.BOX, "rods.inertia": "solid"}
     return {
         "frequency": rows.planned(axes, 50 if quick else 150),
-        "slippery": rows.measured_by(found, slow_start),
+        "slippery": rows.planned(slippery, 200 if quick else 3000, long, measure=slow_start),
     }
 
 
@@ -314,7 +307,7 @@ def _landings_of_closure(rod, friction: float, landings: int) -> float:
 @measures("S26")
 def without_friction(data: Evidence) -> Numbers:
     d, least = _slippery(data), SLIPPERY[0]
-    rod = spherocylinder(np.arccos(rows.COUNT / phase_friction.BOX), rows.LENGTH)
+    rod = spherocylinder(rows.BOX_TILT, rows.LENGTH)
     low, middle, high = (
         drift(rod, friction=mu, restitution=rows.RESTITUTION).c_x for mu in (1e-9, least, np.inf)
     )
@@ -330,9 +323,8 @@ def without_friction(data: Evidence) -> Numbers:
     }
 
 
-@measures("E3")
-def flat_end(data: Evidence) -> Numbers:
-    d = data.figure("tip_shape")
+@measures("E3", "tip_shape")
+def flat_end(d: Data) -> Numbers:
     tilt, edge = d["tilt"], float(d["flat_threshold"])
     length, at = float(d["length"]), np.radians(28)
     pair = (make(at, length) for make in (flat_ended_rod, spherocylinder))
@@ -342,10 +334,10 @@ def flat_end(data: Evidence) -> Numbers:
     bounced = np.degrees(d["bounced_tilt"])
     return {
         "threshold": Number(crossing(np.degrees(tilt[ahead]), -d["flat"][ahead], 0)),
-        "bounced_threshold": resampled(d, lambda d: crossing(bounced, -d["flat_bounced"], 0)),
+        "bounced_threshold": lambda d: crossing(bounced, -d["flat_bounced"], 0),
         "slower": Number(flat / whole),
         "always": Number((d["flat"] / np.where(beyond, d["round"], np.inf)).max()),
         "below": Number(d["flat"][below].min()),
-        "bounced": resampled(d, lambda d: d["flat_bounced"][at_28] / d["round_bounced"][at_28]),
-        "reverse": resampled(d, lambda d: d["flat_bounced"].min()),
+        "bounced": lambda d: d["flat_bounced"][at_28] / d["round_bounced"][at_28],
+        "reverse": lambda d: d["flat_bounced"].min(),
     }

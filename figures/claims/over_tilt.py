@@ -13,18 +13,21 @@ from md.sweep import Sweep
 
 from ..lib.runs import SETTING, drift_and_tilt, means
 from .limits import ONE_STATE_DEG, read
-from .uncertainty import Number, crossing, measures, resampled, rms
+from .uncertainty import Numbers, crossing, measures, rms
 
 SMALL_DEG, LARGE_DEG = 20, 30  # a small tilt is below the one, a large one above the other
 BUMP_DEG, BUMP_WIDTH_DEG, BUMP_REACH_DEG = 30, 4, 15  # place, width and what is looked at around it
 CLEAR = 3.0  # standard errors from which on a drift counts as one
 
 BOTH_SIDES = [f"{name}_{side}" for name in ("c_x", "c_z", "omega") for side in ("before", "after")]
+OF_BOTH_SIDES = {
+    **{name: f"touches.{name}.mean" for name in BOTH_SIDES},
+    **{f"landing_{name}": f"landings.{name}.mean" for name in BOTH_SIDES},
+}
 STORED = {  # name in a table: name in the store; landings: `landing_`, flight, falling, touches
     "tilt": "tilt_deg",
     "c_x": "c_x_cm_s",
-    **{name: f"touches.{name}.mean" for name in BOTH_SIDES},
-    **{f"landing_{name}": f"landings.{name}.mean" for name in BOTH_SIDES},
+    **OF_BOTH_SIDES,
     "V_z": "touches.plate_velocity.mean",
     "V_z_by_speed": "touches.plate_velocity_by_speed.mean",
     "restitution": "touches.restitution.mean",
@@ -38,7 +41,7 @@ STORED = {  # name in a table: name in the store; landings: `landing_`, flight, 
 Table = Mapping[str, np.ndarray]
 
 
-def table(sweep: Sweep, nominal: np.ndarray, own: bool = False) -> dict[str, np.ndarray]:
+def table(sweep: Sweep, nominal: np.ndarray, own: bool = False) -> dict[str, Any]:
     """Means over the starts of a sweep over tilt, with their standard errors; the theory's drift.
 
     The errors of drift and tilt are those between the starts or within them, whichever is larger.
@@ -50,7 +53,7 @@ def table(sweep: Sweep, nominal: np.ndarray, own: bool = False) -> dict[str, np.
     own : whether the theory has the friction and restitution of the row's plate, else the paper's
     """
     scene = sweep.points[0].scene
-    size = {"half_length": np.array(scene.rods.length / 2), "speed": np.array(scene.plate_speed)}
+    size = {"half_length": scene.rods.length / 2, "speed": scene.plate_speed}
     setting, plate = SETTING, scene.contacts.plate
     if own and plate:
         setting = {"friction": plate.friction, "restitution": plate.law.restitution}
@@ -117,12 +120,11 @@ def _off_theory(d: Table) -> float:
 _touches, _landings = _turned(""), _turned("landing_")
 
 
-@measures("S14")
-def phases(data: Any) -> dict[str, Number]:
+@measures("S14", "fig08")
+def phases(d: Table) -> Numbers:
     """Share of the touches that would have to move to give the paper's density of phases."""
-    d = data.figure("fig08")
     H = landing_density(d["phase"])
-    return {"distance": resampled(d, lambda d: np.pi * np.abs(d["density"] - H).mean())}
+    return {"distance": lambda d: np.pi * np.abs(d["density"] - H).mean()}
 
 
 NUMBERS: dict[str, Callable[[Table], Any]] = {  # claim and key, as in claims.toml

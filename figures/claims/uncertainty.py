@@ -8,16 +8,6 @@ import numpy as np
 MEASURES: dict[str, list[Callable]] = {}  # of each claim, functions of `evidence.Evidence`
 
 
-def measures(claim: str) -> Callable[[Callable], Callable]:
-    """Register a function of `evidence.Evidence` that returns numbers of a claim by their keys."""
-
-    def register(function: Callable) -> Callable:
-        MEASURES.setdefault(claim, []).append(function)
-        return function
-
-    return register
-
-
 class Number(NamedTuple):
     """A measured value: nan if there is no data, inf where what was looked for never happens.
 
@@ -28,6 +18,33 @@ class Number(NamedTuple):
     value: float
     error: float = np.nan
     notion: str = "exact"
+
+
+Numbers = dict[str, Number | Callable]  # of a claim, by their keys
+
+
+def measures(claim: str, figure: str = "") -> Callable[[Callable], Callable]:
+    """Register a function that returns `Numbers` of a claim by their keys.
+
+    Parameters
+    ----------
+    claim : as "S13"
+    figure : whose data the function takes; it may return functions of them, which are `resampled`;
+        without one it takes `evidence.Evidence`
+    """
+
+    def register(function: Callable) -> Callable:
+        def measured(evidence: Any) -> dict[str, Number]:
+            if not figure:
+                return function(evidence)
+            d = evidence.figure(figure)
+            found = function(d).items()
+            return {key: resampled(d, one) if callable(one) else one for key, one in found}
+
+        MEASURES.setdefault(claim, []).append(measured)
+        return measured
+
+    return register
 
 
 def count(value: float) -> Number:

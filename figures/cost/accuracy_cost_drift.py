@@ -104,13 +104,12 @@ def data(quick: bool = False) -> Data:
     names = "run_seconds", "accuracy.per_contact", "c_x", "periods"
     spent, per_contact, c_x, periods = gathered(computed(planned["asked"], workers=1), *names)
     return {
-        "load": np.float64(load),
+        "load": load,
         "per_contact": n,
         "dt": dt,
         "seconds": seconds,
-        "made": made,
-        "truth": np.float64(truth),
-        "truth_error": np.float64(truth_error),
+        "truth": truth,
+        "truth_error": truth_error,
         "bias": mean / truth - 1,
         "bias_error": np.hypot(error, truth_error) / truth,
         # Errors of a mean of n periods as sigma sqrt(g/n): from the standard error of the long run.

@@ -75,9 +75,9 @@ def fixed_steps(parts: np.ndarray, true: np.ndarray) -> np.ndarray:
     """Largest and median error, shape (2, methods, parts); nan if any impact fails."""
     whole, found = contact_time(LAW, 1.0), np.empty((2, len(METHODS), parts.size))
     for (i, j), _ in np.ndenumerate(found[0]):
-        how = {"integrator": METHODS[i], "dt": whole / parts[j]}
-        off = [velocities(offset=part, **how)[0] - true for part in OFFSETS]
-        length = np.hypot(*np.moveaxis(off, -1, 0))
+        dt = whole / parts[j]
+        hits = [velocities(integrator=METHODS[i], dt=dt, offset=part)[0] for part in OFFSETS]
+        length = np.hypot(*np.moveaxis(hits - true, -1, 0))
         found[:, i, j] = length.max(), np.median(length)
     return found
 
@@ -101,8 +101,11 @@ def adaptive(tolerances: np.ndarray, true: np.ndarray, runs: int) -> Data:
         evaluations = max(hit.steps for hit in hits)
         rows.append((length.max(), np.median(length), evaluations, np.median(times)))
     *error, evaluations, seconds = np.array(rows).T
-    times = {"evaluations": evaluations.astype(int), "adaptive_seconds": seconds}
-    return {"adaptive_error": np.array(error), **times}
+    return {
+        "adaptive_error": np.array(error),
+        "evaluations": evaluations,
+        "adaptive_seconds": seconds,
+    }
 
 
 def gear_from_leapfrog() -> np.ndarray:
@@ -144,7 +147,7 @@ def data(quick: bool = False) -> Data:
         "tolerance": tolerances,
         **adaptive(tolerances, true, runs),
         "offsets": OFFSETS,
-        "load": np.float64(load),
+        "load": load,
     }
 
 

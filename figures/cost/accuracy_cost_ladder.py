@@ -25,6 +25,7 @@ from md.sweep import Point, Sweep
 
 from ..lib.runs import (
     BOX,
+    BOX_TILT,
     COUNT,
     FRICTION,
     GAMMA,
@@ -37,14 +38,15 @@ from ..lib.runs import (
 from ..lib.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, RIGID, THEORY, Data, note, style
 from ..lib.timing import medians, repeated, seconds_per_period
 
-ROW_TILT = np.arccos(COUNT / BOX)
 PRINTED = both(law="appendix_a", restitution="none")
 CONSTRAINT = {"contacts.plate.law": "coulomb"}
 STEPS = (12, 16, 24, STEPS_PER_CONTACT, 96)  # a contact
 ROWS = {  # group: label: what the scene changes, at the usual step
     "stiffness": {rf"$k_n=5\cdot10^{n}$": both(stiffness=5.0 * 10**n) for n in (3, 4, 5, 7)},
     "contact law": {
-        **{"App. A": PRINTED, "springs 3": both(tangential_ratio=3), "Coulomb": CONSTRAINT},
+        "App. A": PRINTED,
+        "springs 3": both(tangential_ratio=3),
+        "Coulomb": CONSTRAINT,
         r"$\epsilon=0.8$": both(restitution=0.8),
     },
     "rods": {rf"$N={n}$": {"rods.count": n, "box.length": n * BOX / COUNT} for n in (5, 10, 160)},
@@ -90,7 +92,7 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
 
 def _closed(speed: float, calls: int) -> tuple[float, ...]:
     """Closed form with the assumed V_z, and the seconds of each of `calls` in one array."""
-    rod = paper_rod(np.full(calls, ROW_TILT) if calls > 1 else ROW_TILT)
+    rod = paper_rod(np.full(calls, BOX_TILT) if calls > 1 else BOX_TILT)
     call = repeated(lambda: drift(rod, **SETTING, plate_velocity=speed / 2))
     return float(np.ravel(call(1).c_x)[0]), 0.0, 0.0, medians([call], 21)[0] / calls
 
@@ -100,9 +102,17 @@ def _bouncing(landings: int, speed: float) -> tuple[float, ...]:
     from impact.bouncing import bounce  # compiles
 
     rods = 10 if landings < 1000 else 50
-    how = {**SETTING, "gamma": GAMMA, "shortest_flight": 0.1, "transient": 20}
-    how |= {"rods": rods, "landings": max(landings // rods, 3)}
-    call = repeated(lambda: bounce(paper_rod(ROW_TILT), **how))
+    call = repeated(
+        lambda: bounce(
+            paper_rod(BOX_TILT),
+            gamma=GAMMA,
+            **SETTING,
+            landings=max(landings // rods, 3),
+            rods=rods,
+            transient=20,
+            shortest_flight=0.1,
+        )
+    )
     found = call(1).drift
     return speed * found.mean, *[speed * found.error] * 2, medians([call], 1)[0]
 
@@ -124,7 +134,7 @@ def data(quick: bool = False) -> Data:
     names = "group", "label", "answer", "error", "scatter", "seconds", "periods"
     columns = map(np.array, zip(*entries, strict=True))
     return {
-        "load": np.float64(load),
+        "load": load,
         **dict(zip(names, columns, strict=True)),
         "trusted": np.array([truth, spread, spent.sum()]),
     }
@@ -158,9 +168,9 @@ def panel(ax: Axes, d: Data) -> None:
     for group, (colour, marker) in LOOKS.items():
         for unclear in (False, True):
             here = (d["group"] == group) & ((np.abs(off) <= error) == unclear)
-            look = {"fmt": marker, "color": colour, "elinewidth": 0.8}
             face = "white" if unclear else colour
-            ax.errorbar(off[here], y[here], xerr=error[here], mfc=face, **look)
+            look = {"fmt": marker, "color": colour, "mfc": face, "elinewidth": 0.8}
+            ax.errorbar(off[here], y[here], xerr=error[here], **look)
     seconds, beside = EngFormatter("s", places=1), {"va": "center", "ha": "right"}
     for at, time in zip(y, d["seconds"], strict=True):
         ax.text(1.15, at, seconds(time), transform=ax.get_yaxis_transform(), **beside)

@@ -27,7 +27,7 @@ from md.kernels.march import Series
 from md.scene import put
 from md.sweep import Sweep
 
-from ..lib.runs import SIMPLE_ROW, means, planned
+from ..lib.runs import SIMPLE_ROW, means, planned, starts
 from ..lib.style import BLUE, ORANGE, Data, note, style
 from ..lib.timing import estimate, in_turn, machine_line, onward, steady, waited
 from .scene_variants import FULL, GROUPS, NOTHING, STEP_SIZE, Effect, Variant, variants
@@ -102,9 +102,8 @@ def sweeps(quick: bool = False) -> dict[int, Sweep]:
     """Sweeps over seeds: of the full scene, 0, and by its row of each whose drift is asked for."""
     wanted = {0: FULL}
     wanted |= {i: effect.changed for i, effect in enumerate(rows().values(), 1) if effect.drifts}
-    seeds, step = [*range(1, DRIFT_SEEDS[quick] + 1)], {"step.size": STEP_SIZE}
-    how = [{"start.seed": seeds}], DRIFT_PERIODS[quick]
-    return {i: planned(*how, step, put(SIMPLE_ROW, one.changes)) for i, one in wanted.items()}
+    how = [starts(DRIFT_SEEDS[quick])], DRIFT_PERIODS[quick], {"step.size": STEP_SIZE}
+    return {i: planned(*how, put(SIMPLE_ROW, one.changes)) for i, one in wanted.items()}
 
 
 def _drifts(quick: bool) -> np.ndarray:
@@ -118,16 +117,14 @@ def _drifts(quick: bool) -> np.ndarray:
 
 def data(quick: bool = False) -> Data:
     """Prices in ns per step of a rod, (value, error, interquartile range) of each row."""
-    load, effects, begin = os.getloadavg()[0], rows().values(), perf_counter()
+    load, effects = os.getloadavg()[0], rows().values()
     every = variants([*effects, Effect((BARE, BARE), (FULL, FULL))])
     couples = [(variant.engine(), variant) for variant in every]
     for engine, variant in waited(couples, "compiling"):
         engine.go(0, _series(engine, variant))
-    compiled = perf_counter() - begin
     moving, still = _settled(PRICE_SETTLE[quick])
     calls = [_call(one, moving if one.engine().scene.vibrates else still) for one in every]
-    samples = in_turn(calls, ROUNDS[quick])
-    times = 1e9 * steady(samples)
+    times = 1e9 * steady(in_turn(calls, ROUNDS[quick]))
 
     def price(*pair: Variant) -> tuple[float, ...]:
         """Price of the first variant less the second, in ns, with its error and spread."""
@@ -153,9 +150,7 @@ def data(quick: bool = False) -> Data:
         "drift": _drifts(quick),
         "same_rods": np.array([alike(effect, after) for effect in effects], float),
         "same_kernel": np.array([alike(effect, _kernel) for effect in effects], float),
-        "samples": samples,
-        "compile_seconds": np.float64(compiled),
-        "load": np.float64(load),
+        "load": load,
     }
 
 

@@ -22,9 +22,9 @@ from matplotlib.axes import Axes
 import md
 from md.host import prepare
 from md.scene import from_tables, put
-from md.sweep import execute, expand
+from md.sweep import execute
 
-from ..lib.runs import SIMPLE_ROW
+from ..lib.runs import SIMPLE_ROW, planned, starts
 from ..lib.style import BLACK, BLUE, Data, note, painted, style
 from ..lib.timing import estimate, in_turn, machine_line, onward, steady, waited
 
@@ -67,10 +67,9 @@ def _meet(folder: str, workers: int) -> None:
 
 def _sweeping(workers: int) -> Callable[[], float]:
     """Time of a step of a rod in as many runs at once as there are workers."""
-    seeds = list(range(1, RUNS_PER_CORE * workers + 1))
-    sweep = expand({"periods": SWEEP_PERIODS, "axes": [{"start.seed": seeds}]}, SIMPLE_ROW)
+    sweep = planned([starts(RUNS_PER_CORE * workers)], SWEEP_PERIODS, base=SIMPLE_ROW)
     engine = prepare(sweep.points[0].scene)
-    work = len(seeds) * SWEEP_PERIODS * engine.per * len(engine.rods)
+    work = len(sweep.points) * SWEEP_PERIODS * engine.per * len(engine.rods)
 
     def sample() -> float:
         with TemporaryDirectory() as folder:
@@ -107,7 +106,7 @@ def data(quick: bool = False) -> Data:
         "steps_per_period": np.int64(prepare(_row(40)).per),
         "workers": workers,
         "sweep": _estimates(by_workers),
-        "load": np.float64(load),
+        "load": load,
     }
 
 

@@ -91,8 +91,11 @@ NOTHING = dict.fromkeys(("gravity", "plate", "contacts.plate", "contacts.rods"),
 SMOOTH = {"law": "coulomb", "restitution": 1.0}
 LOSSY = {"law": "coulomb", "restitution": RESTITUTION}
 SPRING = {
-    **{"law": "constant_restitution", "restitution": 1.0, "friction": FRICTION},
-    **{"tangential_ratio": 3, "tangential_damping": 0.0},
+    "law": "constant_restitution",
+    "restitution": 1.0,
+    "friction": FRICTION,
+    "tangential_ratio": 3,
+    "tangential_damping": 0.0,
 }
 DAMPED = SPRING | {"tangential_damping": 1.0}
 PRINTED = {"contacts.plate": {"law": "appendix_a", "friction": FRICTION}}  # Appendix A

@@ -79,32 +79,8 @@ def sources(name: str) -> str:
     return _digest(*_files("md", "impact"), *sorted(_imports(module, set())))
 
 
-def provenance(name: str, quick: bool, own: Own = NOTHING) -> dict[str, Any]:
-    """What made the data of a figure: sources, versions, size.
-
-    Parameters
-    ----------
-    name : one of `FIGURES`
-    quick : whether the data are of the small size
-    own : values of one's own in place of the paper's
-    """
-    import matplotlib as mpl
-
-    from impact._generated import DIGEST
-
-    return {
-        "impact": DIGEST,  # of the generated closed forms
-        "sources": sources(name),
-        "numpy": np.__version__,
-        "matplotlib": mpl.__version__,
-        "python": platform.python_version(),
-        "quick": quick,
-        "own": dict(own),
-    }
-
-
 def keep(path: Path, name: str, quick: bool, data: Mapping[str, Any], own: Own = NOTHING) -> None:
-    """Write the data of a figure for `stored_data`.
+    """Write the data of a figure for `stored_data`, and what made them: sources, versions, size.
 
     Parameters
     ----------
@@ -113,7 +89,20 @@ def keep(path: Path, name: str, quick: bool, data: Mapping[str, Any], own: Own =
     data : arrays by name, as the figure's `data` returns them
     own : values of one's own in place of the paper's
     """
-    np.savez_compressed(path, **data, provenance=json.dumps(provenance(name, quick, own)))
+    import matplotlib as mpl
+
+    from impact._generated import DIGEST
+
+    by = {
+        "impact": DIGEST,  # of the generated closed forms
+        "sources": sources(name),
+        "numpy": np.__version__,
+        "matplotlib": mpl.__version__,
+        "python": platform.python_version(),
+        "quick": quick,
+        "own": dict(own),
+    }
+    np.savez_compressed(path, **data, provenance=json.dumps(by))
 
 
 def made(npz: Path) -> dict[str, Any]:

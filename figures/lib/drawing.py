@@ -101,13 +101,14 @@ def _pool(
     names: Sequence[str], out: Path, quick: bool, jobs: int, own: Own
 ) -> Iterator[Iterator[Drawn]]:
     """Figures as they are drawn by `jobs` processes, which end with this context."""
-    how = {"batch_size": 1, "pre_dispatch": "all", "return_as": "generator_unordered"}
     tasks = [delayed(_in_a_process)(name, out, quick, runs.STORE, own) for name in names]
     # what joblib's process that cleans up would say after a signal, below our one line
     os.environ.setdefault("PYTHONWARNINGS", "ignore:resource_tracker")
     try:
         with deferred():  # half a pool would leave semaphores behind
-            results = Parallel(jobs, **how)(tasks)
+            results = Parallel(
+                jobs, batch_size=1, pre_dispatch="all", return_as="generator_unordered"
+            )(tasks)
         yield results
     except BaseException:
         with warnings.catch_warnings():

@@ -33,9 +33,9 @@ if TYPE_CHECKING:
 COUNT, LENGTH, GAMMA, FRICTION, RESTITUTION = 40, 9.5, 3.3, 0.3, 0.65  # of Figs. 6-8 and 13
 SETTING: dict[str, Any] = {"friction": FRICTION, "restitution": RESTITUTION}  # of the theory
 BOX = 43.0  # length of the box where the tilt is not varied
+BOX_TILT = np.arccos(COUNT / BOX)  # rad
 _COARSE = {"step.size": 1.2e-4, "step.coarse": True}  # a fiftieth of a contact
 SIMPLE = both(restitution=RESTITUTION, tangential_ratio=3)  # one law for plate and rods
-PRINTED = both(law="appendix_a", restitution="none", tangential_ratio="none")  # in its place
 SIMPLE_ROW = put(read_tables("quasi2d"), {**_COARSE, "start.speed": 0.3, **SIMPLE})  # of prices
 LAW_OF = {  # plate, rods: of all simulated rows and annuli; chosen once among 320 laws
     "restitution": (0.75, 0.86),
@@ -64,7 +64,7 @@ LAW_NAME = "plate/rods: " + ", ".join(
 TILT_SCAN_WORDS = (
     rf"$l={LENGTH}\,d$, thin inertia, $\Gamma={GAMMA}$, $\mu={FRICTION}$, 60 Hz; {LAW_NAME}"
 )
-_WALLS = {k.replace(".plate.", ".wall."): v for k, v in LAW.items() if ".plate." in k}
+_WALLS = {f"contacts.wall.{name}": plate for name, (plate, _) in LAW_OF.items()}
 ASSUMED_NAME = "restitution 0.65, tangential ratio 3 of plate, rods and walls"  # before the search
 SIMPLE_ANNULUS = read_tables("annulus")  # under that law
 ANNULUS = put(SIMPLE_ANNULUS, {**LAW, **_WALLS})  # walls are like the plate
@@ -75,7 +75,14 @@ _ANNULUS_WORDS = (
     f"60 Hz; {LAW_NAME}; friction of plate, walls and rods "
     f"{ANNULUS['contacts']['plate']['friction']} (assumed), where it is not varied"
 )
-SEEDS = {"start.seed": [1, 2, 3, 4]}
+
+
+def starts(count: int) -> dict[str, list]:
+    """Axis of a sweep: so many independent starts."""
+    return {"start.seed": list(range(1, count + 1))}
+
+
+SEEDS = starts(4)
 SHOWN_DEG = (9, 18, 27, 34, 45)  # tilts of Fig. 8; of any scan
 
 
@@ -220,11 +227,16 @@ def larger_error(values: np.ndarray, errors: np.ndarray) -> tuple[np.ndarray, np
     return mean, np.fmax(between, np.sqrt(squares / np.isfinite(errors).sum(axis=-1)))
 
 
+def with_error(name: str, mean: np.ndarray, error: np.ndarray) -> dict[str, np.ndarray]:
+    """A mean by its name, and its standard error as `name_error`."""
+    return {name: mean, f"{name}_error": error}
+
+
 def means(sweep: Sweep, names: Mapping[str, str]) -> dict[str, np.ndarray]:
     """Means over seeds of results of a sweep, with `name_error` beside them."""
-    found = {}
+    found: dict[str, np.ndarray] = {}
     for name, values in zip(names, gathered(sweep, *names.values()), strict=True):
-        found[name], found[f"{name}_error"] = over_seeds(values)
+        found |= with_error(name, *over_seeds(values))
     return found
 
 
@@ -232,10 +244,11 @@ def drift_and_tilt(sweep: Sweep, prefix: str = "") -> dict[str, np.ndarray]:
     """Drift `c_x` [cm/s] and `tilt` [deg] of a sweep, with `larger_error`."""
     names = "c_x_cm_s", "c_x_stderr", "tilt_deg", "tilt_stderr_deg"
     c_x, c_x_in, tilt, tilt_in = gathered(sweep, *names)
-    inside, found = c_x_in * sweep.points[0].scene.cm_per_s, {}
-    for name, *pair in (("c_x", c_x, inside), ("tilt", tilt, tilt_in)):
-        found[prefix + name], found[f"{prefix}{name}_error"] = larger_error(*pair)
-    return found
+    inside = c_x_in * sweep.points[0].scene.cm_per_s
+    return {
+        **with_error(f"{prefix}c_x", *larger_error(c_x, inside)),
+        **with_error(f"{prefix}tilt", *larger_error(tilt, tilt_in)),
+    }
 
 
 def periods_of(quick: bool) -> int:
@@ -281,10 +294,19 @@ def _lone(quick: bool, scene: str | None, _: str) -> tuple[np.ndarray, list["Bou
     from impact.bouncing import bounce  # compiles
 
     row, tilt_deg = row_of(scene), np.arange(0, 76, 5 if quick else 2.5)
-    how = {**row.setting, "gamma": row.gamma}
-    how |= {"transient": 150, "shortest_flight": 0.1}
-    how |= {"rods": 20, "landings": 150} if quick else {"rods": 100, "landings": 600}
-    return tilt_deg, [bounce(row.rod(np.radians(deg)), **how) for deg in tilt_deg]
+    rods, landings = (20, 150) if quick else (100, 600)
+    return tilt_deg, [
+        bounce(
+            row.rod(np.radians(deg)),
+            gamma=row.gamma,
+            **row.setting,
+            landings=landings,
+            rods=rods,
+            transient=150,
+            shortest_flight=0.1,
+        )
+        for deg in tilt_deg
+    ]
 
 
 def plate_speed_cm_s(gamma: float | np.ndarray = GAMMA) -> float | np.ndarray:

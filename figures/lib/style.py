@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 
 from impact import Regime, spherocylinder
 
-Data = dict[str, np.ndarray]  # of a figure: arrays by name
+Data = dict[str, Any]  # of a figure: arrays, numbers, words by name
 Look = dict[str, Any]  # options of Matplotlib
 
 _LOOK = plt.style.context(Path(__file__).parents[1] / "style.mplstyle")
@@ -102,6 +102,11 @@ def painted(
         panel(ax, d)
     name_panels(axes.flat, panels)
     return figure
+
+
+def zero_line(ax: Axes) -> None:
+    """Draw a thin line where what is shown is zero."""
+    ax.axhline(0, color="0.6", lw=0.6, zorder=1)
 
 
 def shades(count: int) -> np.ndarray:

@@ -26,6 +26,7 @@ from tqdm import tqdm
 
 import md
 from impact import InputError
+from impact._arguments import count
 from md.host import prepare
 
 from ..lib.style import RED, style
@@ -78,9 +79,8 @@ def record(scene: md.Scene, periods: int = 20, frames: int = 8, progress: bool =
     ValueError
         If there would be none, or more than `LARGEST`; and as `md.run`.
     """
-    for name, value in (("periods", periods), ("frames", frames)):
-        if not value >= 1:
-            raise InputError(f"{name} must be a whole number >= 1, got {value}")
+    count("periods", periods, 1)
+    count("frames", frames, 1)
     if periods * frames > LARGEST:
         raise InputError(f"periods times frames must be at most {LARGEST}, got {periods * frames}")
     every = -(-TRACE // frames)
@@ -150,10 +150,11 @@ class Picture:
         self.words = self.figure.text(0.01, 1 - 0.06 / whole, "", va="top", fontsize=10)
         (start, _), (end, _) = self.row.transData.transform([(0, 0), (1, 0)])
         points = 72 / DPI * (end - start)  # of a length of 1
-        width = {"capstyle": "round", "zorder": 3}
         outlined = [Stroke(linewidth=points, foreground=DARK), Normal()]
         inside = points * (1 - 2 * OUTLINE)
-        self.rods = LineCollection([], linewidths=inside, path_effects=outlined, **width)
+        self.rods = LineCollection(
+            [], linewidths=inside, path_effects=outlined, capstyle="round", zorder=3
+        )
         self.trail = LineCollection([], colors=RED, linewidths=1.2, zorder=4, alpha=0.8)
         for artist in (self.rods, self.trail):
             self.row.add_collection(artist, autolim=False)
@@ -224,7 +225,7 @@ def write(film: Film, path: str | Path, progress: bool = False) -> None:
         palette = picture.shot(film.pictures // 2).quantize(COLOURS, Image.Quantize.MAXCOVERAGE)
         plain = Image.Dither.NONE
         first, *rest = (picture.shot(n).quantize(palette=palette, dither=plain) for n in numbers)
-        how = {"duration": 1000 // FPS, "loop": 0, "disposal": 1}
-        first.save(path, save_all=True, append_images=rest, **how)
+        duration = 1000 // FPS
+        first.save(path, save_all=True, append_images=rest, duration=duration, loop=0, disposal=1)
     finally:
         plt.close(picture.figure)

@@ -31,6 +31,7 @@ from ..lib.runs import (
     means,
     planned,
     plate_speed_cm_s,
+    starts,
 )
 from ..lib.style import (
     BLACK,
@@ -45,12 +46,15 @@ from ..lib.style import (
     points,
     shades,
     style,
+    zero_line,
 )
 
 FLOOR_CM_S = 0.003  # half a hundredth of a diameter a second
 ONSET = 1.6  # Gamma, Fig. 2(b, c)
-_GAMMAS = (1.05, 1.1, 1.2, 1.3, 1.4, 1.6, 1.8, 2.2, 2.8, 3.5)
-MAP_GAMMAS = {True: (1.2, 1.5, 1.8, 3.3), False: _GAMMAS}
+MAP_GAMMAS = {
+    True: (1.2, 1.5, 1.8, 3.3),
+    False: (1.05, 1.1, 1.2, 1.3, 1.4, 1.6, 1.8, 2.2, 2.8, 3.5),
+}
 NOMINAL_DEG = {True: (9, 20, 45), False: (5, 12, 20, 30, 45, 60)}
 CHOSEN = {True: (0, 1, 2), False: (1, 2, 4)}  # tilts of (b)
 MAP_COUNTS = {True: (44, 36), False: (50, 44, 36)}
@@ -68,24 +72,32 @@ def classify(mean: np.ndarray, error: np.ndarray) -> np.ndarray:
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
     """Sweeps of rows over Gamma and tilt, of annuli over Gamma and the number of rods."""
     gamma, (of_rows, of_annuli) = {"plate.acceleration": [*MAP_GAMMAS[quick]]}, MAP_PERIODS[quick]
-    rows = [gamma, {"box.length": boxes(NOMINAL_DEG[quick])}, {"start.seed": [1, 2, 3]}]
-    annuli = [gamma, {"rods.count": [*MAP_COUNTS[quick]]}, {"start.seed": [1, 2]}]
+    rows = [gamma, {"box.length": boxes(NOMINAL_DEG[quick])}, starts(3)]
+    annuli = [gamma, {"rods.count": [*MAP_COUNTS[quick]]}, starts(2)]
     return {
         "grid": planned(rows, of_rows, {"rods.inertia": "solid"}),
         "annulus": planned(annuli, of_annuli, base=ANNULUS),
     }
 
 
-def _lone(gamma: np.ndarray, tilt: np.ndarray, quick: bool) -> tuple[np.ndarray, np.ndarray]:
+def _lone(gamma: np.ndarray, tilt: np.ndarray, quick: bool) -> np.ndarray:
     """Drift [V_0] and alpha of one rigid rod, (gamma, tilt)."""
     from impact.bouncing import bounce  # compiles
 
-    size = (20, 60, 100) if quick else (60, 300, 150)
-    how = dict(zip(("rods", "landings", "transient"), size, strict=True))
-    how |= {**SETTING, "shortest_flight": 0.01}
-    runs = [[bounce(spherocylinder(phi, LENGTH), gamma=g, **how) for phi in tilt] for g in gamma]
-    found = [[(run.drift.mean, run.alpha_impulse.mean) for run in row] for row in runs]
-    return tuple(np.moveaxis(found, -1, 0))
+    rods, landings, transient = (20, 60, 100) if quick else (60, 300, 150)
+    found = np.empty((2, len(gamma), len(tilt)))
+    for i, j in np.ndindex(found.shape[1:]):
+        run = bounce(
+            spherocylinder(tilt[j], LENGTH),
+            gamma=gamma[i],
+            **SETTING,
+            landings=landings,
+            rods=rods,
+            transient=transient,
+            shortest_flight=0.01,
+        )
+        found[:, i, j] = run.drift.mean, run.alpha_impulse.mean
+    return found
 
 
 def data(quick: bool = False) -> Data:
@@ -145,9 +157,16 @@ def _near_onset(ax: Axes, d: Data, prefix: str, looks: dict[int, tuple[str, str]
 def _rows(axes: np.ndarray, d: Data) -> None:
     a, b, c = axes
     top = np.nanmax(np.abs(d["lone_c_x"]))
-    shading = {"cmap": DRIFTS, "norm": TwoSlopeNorm(0, -top / 4, top), "alpha": 0.55}
-    shading |= {"shading": "nearest", "rasterized": True}
-    mesh = a.pcolormesh(d["fine_gamma"], d["fine_deg"], d["lone_c_x"].T, **shading)
+    mesh = a.pcolormesh(
+        d["fine_gamma"],
+        d["fine_deg"],
+        d["lone_c_x"].T,
+        cmap=DRIFTS,
+        norm=TwoSlopeNorm(0, -top / 4, top),
+        alpha=0.55,
+        shading="nearest",
+        rasterized=True,
+    )
     bar = a.figure.colorbar(mesh, ax=a, label="one rigid rod (cm/s)", pad=0.02)
     ends = MaxNLocator(2).tick_values(-top / 4, 0), MaxNLocator(4).tick_values(0, top)
     bar.set_ticks([tick for tick in np.unique(np.concatenate(ends)) if -top / 4 <= tick <= top])
@@ -172,8 +191,9 @@ def _annuli(axes: np.ndarray, d: Data) -> None:
     gamma = np.broadcast_to(d["gamma"][:, None], size.shape)
     look = {"angles": "xy", "scale_units": "xy", "scale": 1, "color": "0.3", "width": 0.012}
     arrows = a.quiver(gamma, d["ring_tilt"], 0 * size, size, **look)
-    key = {"angle": 90, "labelpos": "E", "coordinates": "axes"}
-    a.quiverkey(arrows, 0.6, 1.09, ARROW_DEG / 2, r"$V_z=V_0/2$", **key)
+    a.quiverkey(
+        arrows, 0.6, 1.09, ARROW_DEG / 2, "$V_z=V_0/2$", angle=90, labelpos="E", coordinates="axes"
+    )
     _map(a, d["gamma"], d["ring_tilt"], d["ring_kind"])
     names = [rf"$N={n}$" for n in d["ring_count"]]
     looks = dict(enumerate(zip(shades(len(names))[::-1], names, strict=True)))
@@ -198,7 +218,7 @@ def draw(d: Data) -> plt.Figure:
         ax.legend(loc=place, ncols=1 + (ax is axes[0, 1]))
     for ax in axes[:, 1:].flat:
         ax.set_ylabel(r"drift $c_x$ (cm/s)")
-        ax.axhline(0, color="0.6", lw=0.6)
+        zero_line(ax)
     name_panels(axes.flat, ("row", "", "near onset", "annulus", "", "near onset"))
     rods = rf"row: $l={LENGTH}\,d$, $d=0.6$ cm; annulus: the experiment's, $l=8\,d$, $d=0.635$ cm"
     note(figure, rf"{rods}; 60 Hz, $\mu={FRICTION}$, solid inertia; {LAW_NAME}")

@@ -32,6 +32,7 @@ from ..lib.runs import (
     boxes,
     drift_and_tilt,
     planned,
+    starts,
 )
 from ..lib.style import (
     ANOTHER,
@@ -46,6 +47,7 @@ from ..lib.style import (
     shades,
     style,
     tilt_axis,
+    zero_line,
 )
 
 MAXIMA_DEG, ONSET_FIG4, REDUCTION = (18, 35), 1.5, 2.5  # the paper's
@@ -53,20 +55,18 @@ GAMMA_COUNTS = (50, 44, 36)  # numbers of rods of (b)
 WALL_KEY, PLATE_KEY = "contacts.wall.friction", "contacts.plate.friction"
 AT_REST = {"annulus.shaken": False}
 NARROW = {"annulus.outer": 7.3304}  # largest tilt 53 degrees, as the paper says of its annulus
+FEW = 2  # starts of all but the row without rolling
 SIZES = {  # in full, quick
     "count": ([23, 26, 29, 32, *range(34, 57, 2)], [26, 36, 44, 50, 56]),
-    "rolling": (
-        [23, 29, *range(34, 53, 2)],
-        [26, 36, 44, 50],
-    ),  # denser ones jam between walls at rest
+    # denser ones jam between walls at rest
+    "rolling": ([23, 29, *range(34, 53, 2)], [26, 36, 44, 50]),
     "rest": ([23, 29, *range(34, 57, 2)], [26, 36, 44]),
     "narrow": ([22, 23, 24, 26, 29, 32, 36, 40, 44], [23, 26, 36]),
     "gamma": ([1.05, 1.4, 1.6, 1.8, 2.0, 3.0, 4.0], [1.3, 1.8, 3.3]),
     "wall": ([0, 0.03, 0.1, 0.3, 0.5, 1.0], [0.03, 0.3, 1.0]),  # none at all: another kernel
     "plate": ([0, 0.01, 0.03, 0.1, 0.3, 1.0, 2.0], [0.01, 0.1, 0.3]),
     "plane": ([*range(5, 51, 5)], [10, 20, 30, 40]),
-    "seeds": ([1, 2, 3, 4, 5], [1, 2]),
-    "few_seeds": ([1, 2], [1, 2]),
+    "starts": (5, 2),
     "periods": (400, 20),  # a region of larger tilt (Fig. 5) takes hundreds to grow
     "gamma_periods": (200, 20),
 }
@@ -74,13 +74,13 @@ SIZES = {  # in full, quick
 
 def over_count(
     counts: Sequence[int],
-    seeds: Sequence[int],
+    seeds: int,
     periods: int,
     base: Mapping[str, Any] = ANNULUS,
     changes: Mapping[str, Any] | None = None,
 ) -> Sweep:
     """Sweep of annuli over the number of rods, which sets the tilt, and starts."""
-    axes = [{"rods.count": [*counts]}, {"start.seed": [*seeds]}]
+    axes = [{"rods.count": [*counts]}, starts(seeds)]
     return planned(axes, periods, changes, base, measure=followed)
 
 
@@ -100,18 +100,17 @@ def sweeps(
     for name in ("count", "rolling", "rest"):
         size[name] = of.counts(size[name])
     base, row = (SIMPLE_ANNULUS, SIMPLE_ROW) if assumed else (of.tables, ROW)
-    few, periods = {"start.seed": size["few_seeds"]}, size["periods"]
-    seeds = size["few_seeds" if assumed else "seeds"]
+    few, periods = starts(FEW), size["periods"]
+    seeds = FEW if assumed else size["starts"]
     gamma, gamma_periods = {"plate.acceleration": size["gamma"]}, size["gamma_periods"]
-    many, alike = (
-        {"rods.count": of.counts([ANNULUS_COUNT])[0]},
-        ("length", "inertia", "diameter_cm"),
-    )
+    many = {"rods.count": of.counts([ANNULUS_COUNT])[0]}
 
     def around(*axes: dict[str, list], periods: int = periods, **changes: object) -> Sweep:
         return planned([*axes], periods, changes, base)
 
-    of_rods = {f"rods.{name}": ANNULUS["rods"][name] for name in alike}
+    of_rods = {
+        f"rods.{name}": ANNULUS["rods"][name] for name in ("length", "inertia", "diameter_cm")
+    }
     found = {
         "still": over_count(size["count"], seeds, periods, base),
         "rolling": around({"rods.count": size["rolling"]}, few, **{"rods.rolling": True}),
@@ -122,25 +121,30 @@ def sweeps(
     if assumed:
         return found
     found |= {
-        "rest": over_count(size["rest"], size["few_seeds"], periods, base, AT_REST),
+        "rest": over_count(size["rest"], FEW, periods, base, AT_REST),
         "rest_gamma": around(gamma, few, periods=gamma_periods, **many, **AT_REST),
         "plate": around({PLATE_KEY: size["plate"]}, few, **many),
     }
-    if scene is not None:
-        return {name: sweep for name, sweep in found.items() if name != "plane"}
-    narrow = over_count(size["narrow"], size["few_seeds"], periods, changes=NARROW)
-    return found | {"narrow": narrow}
+    if scene is None:
+        found["narrow"] = over_count(size["narrow"], FEW, periods, changes=NARROW)
+    else:
+        del found["plane"]
+    return found
 
 
 def data(quick: bool = False, assumed: bool = False, scene: str | None = None) -> Data:
     """Drifts in cm/s and tilts in degrees with their errors."""
     runs, of = sweeps(quick, assumed, scene), annulus_of(scene)
     axes = {"gamma": "plate.acceleration", "wall": WALL_KEY, "plate": PLATE_KEY}
-    found = {"count": runs["still"].values("rods.count"), "few": np.array(of.counts(GAMMA_COUNTS))}
-    found |= {"words": np.array(of.words), "driving": np.float64(of.gamma)}
-    found["many"] = np.array(of.counts([ANNULUS_COUNT])[0])
-    found["rolling"] = runs["rolling"].values("rods.count")
-    found |= {name: runs[name].values(key) for name, key in axes.items() if name in runs}
+    found = {
+        "count": runs["still"].values("rods.count"),
+        "rolling": runs["rolling"].values("rods.count"),
+        "few": np.array(of.counts(GAMMA_COUNTS)),
+        "many": of.counts([ANNULUS_COUNT])[0],
+        "words": of.words,
+        "driving": of.gamma,
+        **{name: runs[name].values(key) for name, key in axes.items() if name in runs},
+    }
     for name, sweep in runs.items():
         found |= drift_and_tilt(sweep, f"{name}_")
     return found
@@ -150,10 +154,10 @@ def _over_tilt(ax: Axes, d: Data) -> None:
     curve(ax, d, "still_tilt", "still_c_x", BLACK, "rods do not roll", both=True)
     curve(ax, d, "rolling_tilt", "rolling_c_x", ORANGE, "rods roll", both=True, hollow=True)
     if "plane_c_x" in d:
-        row = {"form": "s--", "scale": 1 / REDUCTION, "both": True}
-        curve(ax, d, "plane_tilt", "plane_c_x", SKY, f"row / {REDUCTION}", **row)
-        narrow = {"form": "^:", "both": True}
-        curve(ax, d, "narrow_tilt", "narrow_c_x", PURPLE, "gap for 53° at most", **narrow)
+        plane = "plane_tilt", "plane_c_x", SKY, f"row / {REDUCTION}"
+        curve(ax, d, *plane, form="s--", scale=1 / REDUCTION, both=True)
+        narrow = "narrow_tilt", "narrow_c_x", PURPLE, "gap for 53° at most"
+        curve(ax, d, *narrow, form="^:", both=True)
         for tilt in MAXIMA_DEG:
             ax.axvline(tilt, 0, 0.6, color="0.5", lw=0.8, ls=":")  # up to the legend
     tilt_axis(ax, 0, 60)
@@ -166,8 +170,8 @@ def _over_gamma(ax: Axes, d: Data) -> None:
     for i, colour in enumerate(shades(len(d["few"]))[::-1]):
         label = rf"$N={d['few'][i]}$, {d['gamma_tilt'][at, i]:.0f}° at {d['gamma'][at]:g}"
         curve(ax, d, "gamma", "gamma_c_x", colour, label, at=(..., i))
-    resting = {"form": "o--", "hollow": True}
-    curve(ax, d, "gamma", "rest_gamma_c_x", BLACK, f"$N={d['many']}$, walls at rest", **resting)
+    resting = f"$N={d['many']}$, walls at rest"
+    curve(ax, d, "gamma", "rest_gamma_c_x", BLACK, resting, form="o--", hollow=True)
     ax.axvline(ONSET_FIG4, 0, 0.55, color="0.5", lw=0.8, ls=":")  # up to the legend
     ax.set(xlabel=r"acceleration $\Gamma$", xlim=(1, None))
     ax.legend(loc="upper left")
@@ -196,7 +200,7 @@ def draw(d: Data) -> plt.Figure:
     e.set(xlabel=r"friction of the plate $\mu_{rb}$ (0 at the left end)")
     e.set_xlim(-smallest / 4, 1.2 * d["plate"].max())
     for ax in axes.flat:
-        ax.axhline(0, color="0.7", lw=0.6)
+        zero_line(ax)
         ax.set_ylabel(r"drift $c_x$ (cm/s)")
     driving = rf"$\Gamma={d['driving']:.3g}$"
     many = rf"$N={d['many']}$, {driving}"

@@ -17,8 +17,19 @@ from matplotlib.collections import LineCollection
 from md.sweep import Sweep
 
 from ..lib.arrangement import EVERY, MEASURED, MORE_DEG, in_order, tilts_deg
-from ..lib.runs import annulus_of, gathered, over_seeds
-from ..lib.style import ANOTHER, BLACK, ORANGE, Data, curve, name_panels, note, shades, style
+from ..lib.runs import annulus_of, gathered, over_seeds, with_error
+from ..lib.style import (
+    ANOTHER,
+    BLACK,
+    ORANGE,
+    Data,
+    curve,
+    name_panels,
+    note,
+    shades,
+    style,
+    zero_line,
+)
 from . import fig04
 
 SHOWN_COUNTS = (56, 44)  # numbers of rods of (a) and (b)
@@ -38,16 +49,21 @@ def data(quick: bool = False, assumed: bool = False, scene: str | None = None) -
     sweep, of = fig04.sweeps(quick, assumed, scene)["still"], annulus_of(scene)
     (series,), counts = gathered(sweep, "series"), sweep.values("rods.count")
     late = series[:, :, series.shape[2] // 2 :].mean(axis=2)  # over time
-    found = {"count": counts, "time": EVERY * (1 + np.arange(series.shape[2])), "series": series}
-    gap, rods = of.scene.annulus, of.scene.rods
-    found |= {"words": np.array(of.words if scene else rf"$\Gamma={of.gamma:.3g}$; {of.words}")}
-    found |= {"radii": np.array([gap.inner, gap.outer]), "half": np.array((rods.length - 1) / 2)}
-    found["shown"] = np.array(of.counts(SHOWN_COUNTS))
-    for n in () if assumed else found["shown"].tolist():
-        plan = fig04.over_count([n], [1], sweep.points[0].periods, of.tables)
+    gap, shown = of.scene.annulus, of.counts(SHOWN_COUNTS)
+    found = {
+        "count": counts,
+        "time": EVERY * (1 + np.arange(series.shape[2])),
+        "series": series,
+        "words": of.words if scene else rf"$\Gamma={of.gamma:.3g}$; {of.words}",
+        "radii": np.array([gap.inner, gap.outer]),
+        "half": (of.scene.rods.length - 1) / 2,
+        "shown": np.array(shown),
+    }
+    for n in () if assumed else shown:
+        plan = fig04.over_count([n], 1, sweep.points[0].periods, of.tables)
         found[f"rods_{n}"] = gathered(plan, "rods")[0][0, 0]
     for i, name in enumerate(MEASURED):
-        found[name], found[f"{name}_error"] = over_seeds(late[..., i])
+        found |= with_error(name, *over_seeds(late[..., i]))
     return found
 
 
@@ -80,7 +96,7 @@ def draw(d: Data) -> plt.Figure:
     curve(c, d, "mean", "zigzag", BLACK, "order of the zig-zag", both=True)
     curve(c, d, "mean", "share", ORANGE, share, form="^:", both=True)
     curve(beside, d, "mean", "contrast", ANOTHER, "contrast of tilts", form="s--", both=True)
-    c.axhline(0, color="0.7", lw=0.6)
+    zero_line(c)
     c.set(xlabel=r"mean tilt $\phi$ (deg)", ylabel="order, share", ylim=(-0.1, 1.7))
     beside.set_ylim(*np.array([-0.1, 1.7]) * 1.2 * d["contrast"].max())
     beside.set_ylabel("contrast (deg)", color=ANOTHER)

@@ -16,8 +16,8 @@ from matplotlib.axes import Axes
 from impact import drift
 from md import Scene
 
-from ..claims.over_tilt import BOTH_SIDES
-from ..lib.runs import means, row_of, tilt_plan, tilt_sweeps, tilts
+from ..claims.over_tilt import OF_BOTH_SIDES
+from ..lib.runs import means, row_of, tilt_plan, tilt_sweeps
 from ..lib.style import (
     BLACK,
     ORANGE,
@@ -29,11 +29,11 @@ from ..lib.style import (
     note,
     style,
     tilt_axis,
+    zero_line,
 )
 
 VELOCITY_MEANS = {  # name here: name in the store
-    **{name: f"touches.{name}.mean" for name in BOTH_SIDES},
-    **{f"landing_{name}": f"landings.{name}.mean" for name in BOTH_SIDES},
+    **OF_BOTH_SIDES,
     "plate": "touches.plate_velocity.mean",
     "plate_by_speed": "touches.plate_velocity_by_speed.mean",
     "landing_plate": "landings.plate_velocity.mean",
@@ -46,12 +46,12 @@ sweeps = tilt_sweeps
 def data(quick: bool = False, scene: str | None = None) -> Data:
     """Means over touches and over landings; cm/s and rad/s, the plate's velocity in V_0."""
     row = row_of(scene)
-    found = {"nominal_deg": tilts(quick), **means(tilt_plan(quick, scene=scene), VELOCITY_MEANS)}
+    found = means(tilt_plan(quick, scene=scene), VELOCITY_MEANS)
     found |= _in_cm(found, row.scene)
     fine, speed = np.radians(np.linspace(1, 89, 177)), row.scene.plate_speed * row.scene.cm_per_s
     line = drift(row.rod(fine), **row.setting, plate_velocity=speed / 2)
     lines = {"fine_deg": np.degrees(fine), "line_c_x": line.c_x, "line_c_z": line.c_z}
-    return {**found, "speed": np.float64(speed), **lines, "words": np.array(row.words)}
+    return {**found, **lines, "words": row.words}
 
 
 def _in_cm(found: Data, scene: Scene) -> Data:
@@ -68,9 +68,18 @@ def _pair(ax: Axes, d: Data, name: str, sign: int = 1, label: str = "") -> None:
     before = "before", BLACK, sign, f"-{label}" if sign < 0 else label
     for side, colour, turn, symbol in (before, ("after", ORANGE, 1, f"{label}'")):
         for prefix, form, kind in (("", "o-", "touches"), ("landing_", "s-", "landings")):
-            look = {"form": form, "scale": turn, "hollow": bool(prefix), "ms": 2.7}
-            key = f"{prefix}{name}_{side}"
-            curve(ax, d, "tilt_deg", key, colour, f"${symbol}$, {kind}", **look)
+            curve(
+                ax,
+                d,
+                "tilt_deg",
+                f"{prefix}{name}_{side}",
+                colour,
+                f"${symbol}$, {kind}",
+                form=form,
+                scale=turn,
+                hollow=bool(prefix),
+                ms=2.7,
+            )
 
 
 @style
@@ -93,7 +102,7 @@ def draw(d: Data) -> plt.Figure:
     e.set(ylabel=r"plate at landing, $V_z/V_0$", ylim=(bottom, 1))
     for ax in axes.flat:
         tilt_axis(ax)
-        ax.axhline(0, color="0.7", lw=0.6)
+        zero_line(ax)
         ax.legend()
     name_panels(axes.flat, [""] * 4)
     note(figure, str(d["words"]))

@@ -47,7 +47,7 @@ def data(quick: bool = False, scene: str | None = None) -> Data:
         "plate": plate,
         "tips": np.array(heights),  # (tilts, times, rods)
         **means(tilt_plan(quick, scene=scene), FLIGHT_MEANS),
-        "words": np.array(row.words),
+        "words": row.words,
         "lone_deg": lone_deg,
         "lone_flight": np.array([each.flight.mean for each in bounces]),
     }
@@ -68,8 +68,8 @@ def draw(d: Data) -> plt.Figure:
         ax.set_xlabel("time (periods of the plate)")
     c.plot(d["lone_deg"], d["lone_flight"], color=RIGID, lw=0.8, label="one rigid rod")
     curve(c, d, "tilt_deg", "flight", BLACK, "touch to touch")
-    left_out = {"form": "s-", "hollow": True}
-    curve(c, d, "tilt_deg", "landing_flight", BLACK, "hops < 0.2 periods left out", **left_out)
+    left_out = "hops < 0.2 periods left out"
+    curve(c, d, "tilt_deg", "landing_flight", BLACK, left_out, form="s-", hollow=True)
     c.axhline(1, color="0.5", lw=0.6)
     c.axvline(CHANGE_DEG, color=BLACK, ls=":", lw=0.8, label="the paper: one period from here")
     tilt_axis(c, 0, 80, 20)

@@ -21,6 +21,7 @@ from ..lib.runs import (
     tilt_plan,
     tilt_sweeps,
     tilts,
+    with_error,
 )
 from ..lib.style import BLACK, RIGID, THEORY, Data, curve, name_panels, note, style, tilt_axis
 
@@ -48,17 +49,14 @@ def data(quick: bool = False, scene: str | None = None) -> Data:
     sweep = tilt_plan(quick, scene=scene)
     (counts,) = gathered(sweep, "phases")  # (tilts, seeds, 64)
     shown = np.searchsorted(tilts(quick), SHOWN_DEG)
-    density, error = over_seeds(np.moveaxis(densities(counts[shown]), 1, -1))
-    down, down_error = over_seeds(falling(counts))
+    density = np.moveaxis(densities(counts[shown]), 1, -1)
     lone_deg, bounces = lone(quick, scene)
     return {
-        "words": np.array(row_of(scene).words),
+        "words": row_of(scene).words,
         "shown_deg": np.array(SHOWN_DEG),
         "phase": 2 * np.pi * (np.arange(BINS_DRAWN) + 0.5) / BINS_DRAWN,
-        "density": density,
-        "density_error": error,
-        "falling": down,
-        "falling_error": down_error,
+        **with_error("density", *over_seeds(density)),
+        **with_error("falling", *over_seeds(falling(counts))),
         **means(sweep, {"tilt_deg": "tilt_deg", "landing_falling": "landings.falling.mean"}),
         "lone_deg": lone_deg,
         "lone_falling": np.array([each.falling.mean for each in bounces]),

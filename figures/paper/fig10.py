@@ -34,8 +34,13 @@ def data(quick: bool = False, friction: float | None = None, restitution: float 
     n, points = (46, 200) if quick else (361, 1000)
     ratio = np.array(APPROACH_RATIOS)[:, None]
     tilt, over = np.linspace(0, np.pi / 2, n), np.linspace(0, 1, n)
-    how = {"geometry": thin_rod(tilt), "friction": over[:, None], "restitution": restitution}
-    regime = classify(1.0, -ratio[:, None], **how)
+    regime = classify(
+        1.0,
+        -ratio[:, None],
+        geometry=thin_rod(tilt),
+        friction=over[:, None],
+        restitution=restitution,
+    )
     setting = {"approach_ratio": ratio, "restitution": restitution}
     line = np.linspace(0, np.pi / 2, points)
     # both roots as one line, from (0, 0) over the end of slip reversal to (90 degrees, 0)
@@ -46,10 +51,10 @@ def data(quick: bool = False, friction: float | None = None, restitution: float 
     stops = critical_friction >= slide_friction(thin_rod(critical_tilt), **setting)
     return {
         "approach_ratio": ratio.ravel(),
-        "restitution": np.float64(restitution),
+        "restitution": restitution,
         "tilt": tilt,
         "friction": over,
-        **({} if friction is None else {"marked": np.float64(friction)}),
+        **({} if friction is None else {"marked": friction}),
         "regime": regime,
         "slide_tilt": line,
         "slide_friction": slide_friction(thin_rod(line), **setting),
@@ -66,11 +71,11 @@ def draw(d: Data) -> plt.Figure:
     end_deg, end_friction = np.degrees(d["reversal_end"][0]), d["reversal_end"][1]
     for i, ax in enumerate(axes):
         mesh = ax.pcolormesh(tilt_deg, d["friction"], d["regime"][i], **REGIME_LOOK)
-        slide = np.where(np.isfinite(d["slide_friction"][i]), d["slide_friction"][i], np.nan)
-        ax.plot(np.degrees(d["slide_tilt"]), slide, "k-", label=r"$u_*=0$, Eq. (14)")
+        slide_deg = np.degrees(d["slide_tilt"])
+        ax.plot(slide_deg, d["slide_friction"][i], "k-", label=r"$u_*=0$, Eq. (14)")
         critical_deg = np.degrees(d["critical_tilt"][i])
         ax.plot(critical_deg, d["critical_friction"], "k--", label="both roots of Eq. (23)")
-        if np.interp(end_deg, np.degrees(d["slide_tilt"]), d["slide_friction"][i]) <= end_friction:
+        if np.interp(end_deg, slide_deg, d["slide_friction"][i]) <= end_friction:
             ax.plot(end_deg, end_friction, "ko", label=r"$\mu=3/4$, $\phi=\arctan 2$")
         ax.plot(90, 0.6, "kx", ms=6, clip_on=False, label=r"as printed: 3/5 at 90°")
         if "marked" in d:

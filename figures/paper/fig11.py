@@ -41,8 +41,8 @@ def data(quick: bool = False, friction: float = 0.3, restitution: float = 0.65) 
     with np.errstate(divide="ignore", invalid="ignore"):  # without losses, upright
         reversing = back(phi=tilt, mu=friction, epsilon=restitution, V_z=1.0)
     return {
-        "friction": np.float64(friction),
-        "restitution": np.float64(restitution),
+        "friction": friction,
+        "restitution": restitution,
         "tilt": tilt,
         "c_x": moves.c_x,
         "c_z": moves.c_z,

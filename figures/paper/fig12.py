@@ -79,8 +79,8 @@ def data(
         "tilt": tilt,
         "line_tilt": line,
         "line_edges": edges,
-        "epsilon": np.float64(restitution),
-        "words": np.array(scene_words(friction, length)),
+        "epsilon": restitution,
+        "words": scene_words(friction, length),
         **{field: np.array([getattr(s, field) for s in soft]) for field in Soft._fields},
         "measured_c_x": np.array([r.c_x for r in at_measured]),
         "measured_c_z": np.array([r.c_z for r in at_measured]),
@@ -108,8 +108,16 @@ def _draw_velocities(ax: Axes, d: Data, i: int) -> None:
     for part, marker in (("c_x", "o"), ("c_z", "s")):
         ax.plot(deg, d[f"measured_{part}"][i], color=RIGID, lw=3, alpha=0.4)
         ax.plot(line_deg, d[f"line_{part}"], color=THEORY)
-        look = {"color": SIMULATED, "mfc": "none", "ms": 3, "mew": 0.7}
-        ax.plot(deg[some], d[part][i, some], marker, **look, label=f"${part}'$, simulated")
+        ax.plot(
+            deg[some],
+            d[part][i, some],
+            marker,
+            color=SIMULATED,
+            mfc="none",
+            ms=3,
+            mew=0.7,
+            label=f"${part}'$, simulated",
+        )
     ax.set(ylabel=r"velocity / $|c_z|$", ylim=(-1.2, 1.3))
     tilt_axis(ax)
 

@@ -18,6 +18,7 @@ from md.sweep import Sweep
 
 from ..lib.runs import (
     BOX,
+    BOX_TILT,
     COUNT,
     FRICTION,
     GAMMA,
@@ -26,13 +27,13 @@ from ..lib.runs import (
     RESOLVED,
     RESTITUTION,
     SECOND,
-    SEEDS,
     SETTING,
     means,
     paper_rod,
     periods_of,
     planned,
     plate_speed_cm_s,
+    starts,
     tilt_plan,
     tilts,
 )
@@ -48,6 +49,7 @@ from ..lib.style import (
     painted,
     style,
     tilt_axis,
+    zero_line,
 )
 from .fig02 import AT_TOUCH
 
@@ -61,15 +63,16 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
     gamma = [1.05, 1.2, 1.4, 1.6, 2, 3, 4] if quick else [*GAMMAS]
     length = [1.25, 1.5, 2, 3, 9.5] if quick else [*ROD_LENGTHS]
     jammed = [2.5, 3] if quick else [2, 2.5, 3, 4, 5, 6.5]
-    periods, two = periods_of(quick), {"start.seed": [1, 2]}
-    seeds = two if quick else SEEDS
+    periods, seeds = periods_of(quick), starts(2 if quick else 4)
     row = {"box.length": BOX_OF_LENGTHS, "plate.acceleration": GAMMA_OF_LENGTHS}
     row |= {"rods.inertia": "solid"}
     return {
         "tilt": tilt_plan(quick),
         "gamma": planned([{"plate.acceleration": gamma}, seeds], periods),
         "length": planned([{"rods.length": length}, seeds], periods, row),
-        "jammed": planned([{"rods.length": jammed}, two], periods, row | {"start.speed": 1e-3}),
+        "jammed": planned(
+            [{"rods.length": jammed}, starts(2)], periods, row | {"start.speed": 1e-3}
+        ),
         "second": tilt_plan(quick, SECOND | RESOLVED, seeds=seeds),
     }
 
@@ -94,7 +97,7 @@ def data(
         "tilt_deg": tilt_deg,
         "gamma": gamma,
         "length": lengths,
-        "words": np.array(f"row: {LAW_NAME}; theory: {words}" if papers else f"theory: {words}"),
+        "words": f"row: {LAW_NAME}; theory: {words}" if papers else f"theory: {words}",
         **of_rods,
         "speed": plate_speed_cm_s(),
         "speed_b": plate_speed_cm_s(gamma),
@@ -103,8 +106,8 @@ def data(
         "thin": drift(thin_rod(fine), **setting).c_x,  # over V_z
         "thick": drift(paper_rod(fine, length), **setting).c_x,
         "thick_at_tilts": drift(paper_rod(np.radians(tilt_deg), length), **setting).c_x,
-        "thick_at_box": drift(paper_rod(np.arccos(COUNT / BOX), length), **setting).c_x,
-        "thin_at_box": drift(thin_rod(np.arccos(COUNT / BOX)), **setting).c_x,
+        "thick_at_box": drift(paper_rod(BOX_TILT, length), **setting).c_x,
+        "thin_at_box": drift(thin_rod(BOX_TILT), **setting).c_x,
         "fine_length": fine_length,
         "thick_of_length": drift(spherocylinder(fixed_tilt, fine_length), **setting).c_x,
         "thick_at_lengths": drift(spherocylinder(fixed_tilt, lengths), **setting).c_x,
@@ -123,7 +126,7 @@ def _simulated(quick: bool) -> Data:
     return found
 
 
-POINTS, THIN = {"form": "o"}, {"marker": "s", "ms": 2.5, "lw": 0.8}
+THIN = {"marker": "s", "ms": 2.5, "lw": 0.8}
 
 
 def _over_tilt(ax: Axes, d: Data) -> None:
@@ -134,7 +137,7 @@ def _over_tilt(ax: Axes, d: Data) -> None:
     ax.set_ylabel(r"drift $c_x$ (cm/s)")
     if "a_c_x" not in d:
         return
-    curve(ax, d, "a_tilt", "a_c_x", label="simulated", **POINTS)
+    curve(ax, d, "a_tilt", "a_c_x", label="simulated", form="o")
     words = "simulated, another contact law"
     curve(ax, d, "second_tilt", "second_c_x", ANOTHER, words, hollow=True, form="^")
     measured = d["thick_at_tilts"] * d["a_V_z"] * d["speed"]
@@ -148,7 +151,7 @@ def _over_gamma(ax: Axes, d: Data) -> None:
     ax.set(xlabel=r"acceleration $\Gamma$", xlim=(1, None))
     if "b_c_x" not in d:
         return
-    curve(ax, d, "gamma", "b_c_x", **POINTS)
+    curve(ax, d, "gamma", "b_c_x", form="o")
     rising = np.where(d["b_V_z"] > 0, d["b_V_z"], np.nan)  # else the closure has no impact
     ax.plot(d["gamma"], d["thick_at_box"] * rising * d["speed_b"], color=RIGID, **THIN)
     fit = fits(d)
@@ -158,8 +161,8 @@ def _over_gamma(ax: Axes, d: Data) -> None:
     ax.legend(loc="upper right")
     ax.set_ylim(-0.5, 2.2 * d["b_c_x"].max())
     inset = ax.inset_axes([0.2, 0.62, 0.25, 0.22])
-    curve(inset, d, "gamma", "b_tilt", ms=2, **POINTS)
-    nominal = np.degrees(np.arccos(COUNT / BOX))
+    curve(inset, d, "gamma", "b_tilt", ms=2, form="o")
+    nominal = np.degrees(BOX_TILT)
     inset.axhline(nominal, color="0.5", lw=0.6)
     inset.set(ylim=(nominal - 3, nominal + 3), xlim=(1, None))
     inset.set_title("tilt (deg)", pad=2)
@@ -170,8 +173,8 @@ def _over_length(ax: Axes, d: Data) -> None:
     ax.set(xlabel=r"length $l/d$", xlim=(0.5, None))
     if "c_c_x" not in d:
         return
-    curve(ax, d, "length", "c_c_x", **POINTS)
-    curve(ax, d, "jammed_length", "jammed_c_x", label="from rest", hollow=True, **POINTS)
+    curve(ax, d, "length", "c_c_x", form="o")
+    curve(ax, d, "jammed_length", "jammed_c_x", label="from rest", hollow=True, form="o")
     measured = d["thick_at_lengths"] * d["c_V_z"] * d["speed_c"]
     ax.plot(d["length"], measured, color=RIGID, **THIN)
     ax.set_ylim(-0.4, 1.4 * measured.max())
@@ -188,7 +191,7 @@ def draw(d: Data) -> plt.Figure:
     }
     figure = painted(d, panels, figsize=(7.0, 3.4))
     for ax in figure.axes:
-        ax.axhline(0, color="0.7", lw=0.6)
+        zero_line(ax)
     legend_above(figure, figure.axes[0], ncols=3)
     note(figure, rf"$N={COUNT}$, $d=0.6$ cm, 60 Hz; {d['words']}")
     return figure
@@ -216,6 +219,12 @@ def fits(d: Data) -> dict[str, float]:
         relative = np.fmax(d["b_c_x_error"] / np.abs(c_x), 0.02)[near]
         x, y = np.log(gamma[near] - 1), np.log(c_x[near])
         power, power_error, _ = _slope(x, y, relative)
-    line = _slope(gamma[far], c_x[far], d["b_c_x_error"][far])
-    found = {"power": power, "power_error": power_error, "line_start": float(gamma[far][0])}
-    return found | dict(zip(("line_slope", "line_slope_error", "line_from"), line, strict=True))
+    slope, slope_error, start = _slope(gamma[far], c_x[far], d["b_c_x_error"][far])
+    return {
+        "power": power,
+        "power_error": power_error,
+        "line_start": float(gamma[far][0]),
+        "line_slope": slope,
+        "line_slope_error": slope_error,
+        "line_from": start,
+    }

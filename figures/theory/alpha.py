@@ -30,6 +30,7 @@ from ..lib.style import (
     shades,
     style,
     tilt_axis,
+    zero_line,
 )
 
 SHORTEST_FLIGHT = 0.01  # periods
@@ -60,11 +61,18 @@ def data(
     from impact.bouncing import bounce  # compiles
 
     setting = {"friction": friction, "restitution": restitution}
-    counts = {"rods": 30 if quick else 200, "landings": 200 if quick else 1000}
+    rods, landings = (30, 200) if quick else (200, 1000)
 
     def run(tilt, gamma):
-        rod, hops = spherocylinder(tilt, length), {"shortest_flight": SHORTEST_FLIGHT}
-        return bounce(rod, gamma=gamma, **setting, **hops, **counts, transient=200)
+        return bounce(
+            spherocylinder(tilt, length),
+            gamma=gamma,
+            **setting,
+            landings=landings,
+            rods=rods,
+            transient=200,
+            shortest_flight=SHORTEST_FLIGHT,
+        )
 
     tilts = np.radians(np.arange(0, 76, 5 if quick else 1))
     onset = np.geomspace(1e-3, 0.1, 4 if quick else 8)
@@ -72,8 +80,11 @@ def data(
     over_tilt = [run(tilt, GAMMA) for tilt in tilts]
     over_gamma = [[run(np.radians(deg), gamma) for gamma in gammas] for deg in ALPHA_TILTS_DEG]
     fine = np.concatenate([1 + np.geomspace(1e-4, 0.1, 30), np.linspace(1.11, np.hypot(1, np.pi))])
-    upright = {"friction": friction, "restitution": 0.0, "landings": 1}
-    inelastic = [bounce(spherocylinder(0.0, length), gamma=g, **upright).alpha.mean for g in fine]
+    upright = spherocylinder(0.0, length)
+    inelastic = [
+        bounce(upright, gamma=g, friction=friction, restitution=0.0, landings=1).alpha.mean
+        for g in fine
+    ]
     by_tilt = [_sweep("gamma", runs) for runs in over_gamma]
     return {
         "tilt": tilts,
@@ -81,8 +92,8 @@ def data(
         "tilt_flights": np.array([each.flights.mean for each in over_tilt]),
         "steady_c_x": drift(spherocylinder(tilts, length), **setting).c_x,
         "again_tilt": hit_again_tilt(length, restitution),
-        **{name: np.float64(value) for name, value in setting.items()},
-        "length": np.float64(length),
+        **setting,
+        "length": length,
         "gammas": gammas,
         "gamma_tilt": np.radians(ALPHA_TILTS_DEG),
         **{name: np.array([each[name] for each in by_tilt]) for name in by_tilt[0]},
@@ -98,13 +109,21 @@ def _over_tilt(axes, d: Data) -> None:
     curve(ax, d, "deg", "tilt_alpha_impulse", RIGID, "weighted by impulse", ms=2)
     ax.axhline(0.5, color=THEORY, ls="--", label="Eq. (31): 1/2")
     ax.set_ylabel(r"$\alpha=\langle V_z\rangle/V_0$")
-    ax.axhline(0, color="0.5", lw=0.6)
+    zero_line(ax)
 
     ax = axes[1]
     share = d["tilt_flights"].T / 16
     length = np.arange(len(share)) / 16
-    shading = {"cmap": "Greys", "vmin": 0, "vmax": 1, "shading": "nearest", "rasterized": True}
-    ax.pcolormesh(d["deg"], length, np.sqrt(share), **shading)
+    ax.pcolormesh(
+        d["deg"],
+        length,
+        np.sqrt(share),
+        cmap="Greys",
+        vmin=0,
+        vmax=1,
+        shading="nearest",
+        rasterized=True,
+    )
     curve(ax, d, "deg", "tilt_flight", RIGID, "mean", ms=2)
     ax.set(ylabel="flight (periods)", ylim=(0, 3.2))
     ax.plot([], [], ":", color=BLACK, label=rf"$X^2=\epsilon k^2$, {again:.1f}°")
@@ -127,12 +146,12 @@ def _over_gamma(axes, d: Data) -> None:
         label = rf"$\phi={np.degrees(d['gamma_tilt'][i]):.0f}$°"
         for ax, name in zip(axes, ("alpha_impulse", "drift", "rest"), strict=True):
             curve(ax, d, "gammas", f"gamma_{name}", colour, label, at=i, ms=2)
-    still = {"color": BLACK, "label": r"$\epsilon=0$"}
-    axes[0].plot(d["inelastic_gamma"], d["inelastic_alpha"], ":", **still)
+    still = d["inelastic_gamma"], d["inelastic_alpha"]
+    axes[0].plot(*still, ":", color=BLACK, label=r"$\epsilon=0$")
     axes[0].set(ylabel=r"$\alpha$, weighted by impulse", ylim=(-1.1, 1.1))
-    axes[0].axhline(0, color="0.5", lw=0.6)
+    zero_line(axes[0])
     axes[1].set_ylabel(r"drift / $V_0$")
-    axes[1].axhline(0, color="0.5", lw=0.6)
+    zero_line(axes[1])
     axes[1].axvline(EXPERIMENT, color=BLACK, lw=0.8, ls=":", label="experiment")
     axes[2].set(ylabel="part of the time at rest", ylim=(-0.02, 1))
     for ax in axes:

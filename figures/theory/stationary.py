@@ -95,8 +95,8 @@ def data(
     return {
         "frictions": frictions,
         "restitutions": restitutions,
-        "restitution": np.float64(usual),
-        "length": np.float64(length),
+        "restitution": usual,
+        "length": length,
         "phase": phase,
         "density": landing_density(phase, fall_speed=FALLS[:, None]),
         "fall": fall,

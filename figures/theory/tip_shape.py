@@ -31,6 +31,7 @@ from ..lib.style import (
     points,
     style,
     tilt_axis,
+    zero_line,
 )
 
 HIGHEST = 20.0  # V_z; without losses a drift has no bound
@@ -46,10 +47,13 @@ def _bounced(quick: bool, length: float, how: dict[str, float]) -> Data:
 
     gammas, found = np.linspace(2, 4, 5 if quick else 21), {}
     tilts = np.radians([1, 5, 8, 15, 28, 60] if quick else [*range(1, 12), *range(12, 61, 2)])
-    counts = {"landings": 100 if quick else 500, "rods": 4}
+    landings = 100 if quick else 500
     for name, make in (("round", spherocylinder), ("flat", flat_ended_rod)):
         rods = [make(tilt, length) for tilt in tilts]
-        runs = [[bounce(rod, gamma=g, **how, **counts).drift.mean for g in gammas] for rod in rods]
+        runs = [
+            [bounce(rod, gamma=g, **how, landings=landings, rods=4).drift.mean for g in gammas]
+            for rod in rods
+        ]
         found[f"{name}_bounced"] = np.mean(runs, axis=1)
         found[f"{name}_bounced_error"] = np.std(runs, axis=1, ddof=1) / np.sqrt(len(gammas))
     return {"bounced_tilt": tilts, **found}
@@ -62,8 +66,8 @@ def _one_impact(quick: bool, length: float, friction: float, restitution: float)
     rod, law = md.Rod(length, ends="flat"), md.coulomb(restitution)
     hits = [md.impact(tilt, 0.0, -1.0, friction=friction, rod=rod, law=law) for tilt in soft_tilt]
     tilt = np.radians(np.append(-np.linspace(15, 0, 151), np.linspace(0, 15, 151)))
-    how = {"friction": friction, "restitution": restitution}
-    rigid = collide(0.0, -1.0, geometry=flat_ended_rod(tilt, length), **how).c_x
+    rod = flat_ended_rod(tilt, length)
+    rigid = collide(0.0, -1.0, geometry=rod, friction=friction, restitution=restitution).c_x
     found = {"soft_tilt": soft_tilt, "soft": np.array([hit.c_x for hit in hits])}
     return {**found, "rigid_tilt": tilt, "rigid": rigid}
 
@@ -83,20 +87,20 @@ def data(
         return drift(rod, friction=friction, restitution=restitution).c_x
 
     return {
-        "friction": np.float64(friction),
-        "restitution": np.float64(restitution),
-        "length": np.float64(length),
+        "friction": friction,
+        "restitution": restitution,
+        "length": length,
         "tilt": tilt,
         "thin": c_x(thin_rod(tilt)),
         "round": c_x(spherocylinder(tilt, length)),
         "flat": c_x(flat_ended_rod(tilt, length)),
         "flat_threshold": np.arctan(1 / length),
-        "fixed_tilt": np.float64(fixed),
+        "fixed_tilt": fixed,
         "lengths": lengths,
         "thin_by_length": np.full(n, c_x(thin_rod(fixed))),
         "round_by_length": c_x(spherocylinder(fixed, lengths)),
         "flat_by_length": c_x(flat_ended_rod(fixed, lengths)),
-        "flat_length": np.float64(1 / np.tan(fixed)),  # at this length 15 degrees is the threshold
+        "flat_length": 1 / np.tan(fixed),  # at this length 15 degrees is the threshold
         **_bounced(quick, length, {"friction": friction, "restitution": restitution}),
         **_one_impact(quick, length, friction, restitution),
     }
@@ -113,9 +117,9 @@ def _limit(d: Data) -> float:
 def _over_tilt(ax: Axes, d: Data) -> None:
     limit, negative = _limit(d), np.signbit(d["tilt"])
     tilt_deg, threshold_deg = np.degrees(d["tilt"]), np.degrees(d["flat_threshold"])
-    for (kind, line), colour in zip(LINES.items(), SHAPE_COLOURS.values(), strict=True):
+    for kind, line in LINES.items():
         for side in (negative, ~negative):
-            ax.plot(tilt_deg[side], d[kind][side], line, color=colour)
+            ax.plot(tilt_deg[side], d[kind][side], line, color=SHAPE_COLOURS[kind])
     edges = d["flat"][tilt_deg == 0]
     ax.plot([0, 0], edges, ":", color=FLAT, lw=1)
     ax.plot([0, 0], edges, "o", color=FLAT, ms=3, mfc="w")
@@ -135,8 +139,9 @@ def _over_tilt(ax: Axes, d: Data) -> None:
 
 def _over_length(ax: Axes, d: Data) -> None:
     limit = _limit(d)
-    for (kind, line), colour in zip(LINES.items(), SHAPE_COLOURS.values(), strict=True):
-        ax.plot(d["lengths"], d[f"{kind}_by_length"], line, color=colour, label=SHAPES[kind])
+    for kind, line in LINES.items():
+        y, label = d[f"{kind}_by_length"], SHAPES[kind]
+        ax.plot(d["lengths"], y, line, color=SHAPE_COLOURS[kind], label=label)
     ax.plot(d["flat_length"], 0, "o", color=FLAT, ms=4)
     words = rf"$l=d/\tan\phi={d['flat_length']:.2f}\,d$"
     ax.annotate(words, (d["flat_length"], 0), (6.2, -0.16 * limit), **TOLD)
@@ -177,7 +182,7 @@ def draw(d: Data) -> plt.Figure:
     figure = painted(d, panels, 2, figsize=(7.0, 5.6))
     left, right, *_ = figure.axes
     for ax in figure.axes:
-        ax.axhline(0, color="0.5", lw=0.6, zorder=1)
+        zero_line(ax)
     for ax in (left, right):
         ax.set_ylim(-_limit(d), _limit(d))
     words = rf"$\epsilon={d['restitution']:g}$, $\mu={d['friction']:g}$"
