@@ -1,5 +1,6 @@
 """Frictional impact of any two bodies that meet at a point; a rod on a plate is one such pair."""
 
+from collections.abc import Callable
 from functools import partial
 from typing import Any, Generic, NamedTuple, overload
 
@@ -14,6 +15,7 @@ from ._twofold import Twofold, quotient
 from .collision import exponent, law_of
 
 SHORT = 2.0**-100  # gyration radius over the lever; a shorter one gives the same digits
+SMALL, LARGE = 1e-10, 1e10  # numbers between these need no scale
 
 
 @shown
@@ -85,23 +87,41 @@ class PairCollision(NamedTuple, Generic[Number, Code]):
     energy_change: Number
 
 
+def _left(value: Any, power: Any) -> Any:
+    """The number itself, in place of a scaled one."""
+    return value
+
+
+def _usual(numbers: np.ndarray) -> bool:
+    """Whether all fields of both bodies are far from over- and underflow."""
+    mass, k, *_, c_z, _ = numbers
+    least = min(mass.min(), k.min(), np.abs(c_z).max(0).min())
+    return bool(least > SMALL and np.abs(numbers).max() < LARGE)
+
+
 def _impact(final_velocity: Any, *block: Any) -> tuple[Any, ...]:
     """Velocities of both bodies, regime code, impulse and energy change.
 
-    Lengths of each body, speeds and masses are scaled by powers of two, which changes no digit. The
-    contact velocity and the mobilities are summed in twice the digits; the kernel then sees one
-    impact.
+    Unusual lengths of each body, speeds and masses are scaled by powers of two, which changes no
+    digit. The contact velocity and the mobilities are summed in twice the digits; the kernel then
+    sees one impact.
     """
     *given, mu, epsilon = block
     numbers = np.empty((7, 2, *np.broadcast(*block).shape))  # fields of both bodies
     for index, values in enumerate(given):
         numbers[index % 7, index // 7] = values
     both = Body(*numbers)
-    fixed, scaled = np.isinf(both.mass), np.ldexp
-    size = exponent(both.X, both.Z, both.k)
-    speed = np.maximum(exponent(both.c_x, both.c_z), exponent(both.omega) + size).max(0)
-    mass, power = np.frexp(np.where(fixed, 1.0, both.mass))  # the inverse of inf is set below
-    power = np.where(fixed, power[::-1], power)
+    mass, fixed = both.mass, np.isinf(both.mass)
+    mass[fixed] = 1.0  # the inverse of inf is set below
+    scaled: Callable[[Any, Any], Any] = _left
+    power = np.zeros(2, int)
+    size = speed = 0
+    if not _usual(numbers):
+        scaled = np.ldexp
+        size = exponent(both.X, both.Z, both.k)
+        speed = np.maximum(exponent(both.c_x, both.c_z), exponent(both.omega) + size).max(0)
+        mass, power = np.frexp(mass)
+        power = np.where(fixed, power[::-1], power)
     light = scaled(mass, power - power.max(0))[::-1]  # 1/mass, up to 1
     light = select(fixed, 0.0, light)
     mass, power = mass.prod(0), power.min(0)  # in units of mass 2^power
