@@ -23,12 +23,6 @@ def warn(message: str) -> None:
     warnings.warn_explicit(message, RuntimeWarning, "md", 0)
 
 
-def same(one: str | Path, other: str | Path) -> bool:
-    """Whether two paths lead to the same file, through links as well."""
-    one, other = (Path(os.path.realpath(path)) for path in (one, other))
-    return one == other or (one.exists() and other.exists() and one.samefile(other))
-
-
 def distinct(**paths: str | Path | None) -> None:
     """Refuse two options that name one file.
 
@@ -43,7 +37,7 @@ def distinct(**paths: str | Path | None) -> None:
     """
     given = ((name, path) for name, path in paths.items() if path is not None)
     for (first, one), (second, other) in itertools.combinations(given, 2):
-        if same(one, other):
+        if os.path.realpath(one) == os.path.realpath(other):
             raise InputError(f"{second} must be another file than {first}, got {str(other)!r}")
 
 
