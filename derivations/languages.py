@@ -53,7 +53,6 @@ import textwrap
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
-from dataclasses import dataclass
 from importlib import resources
 from typing import Any, NamedTuple
 
@@ -78,13 +77,14 @@ _STEPS = {
     "lacking",
     *(name for name, about in _TEXTS["called"].items() if "twofold" not in about),
 }
-_OPERATIONS = ast.Add, ast.Sub, ast.Mult, ast.Div, ast.BitAnd
+# Nodes of expressions, beside names, tuples and calls.
+_NODES = ast.BinOp, ast.Compare, ast.UnaryOp, ast.Constant
+_OPERATIONS = ast.Add, ast.Sub, ast.Mult, ast.Div, ast.BitAnd, ast.USub, ast.cmpop
 
 Value = Any  # expression of a number or a flag, or a list of them
 
 
-@dataclass(frozen=True, slots=True)
-class Line:
+class Line(NamedTuple):
     """One line of a translated function: a value with a name."""
 
     routine: str  # function from which the line comes
@@ -93,8 +93,7 @@ class Line:
     text: str
 
 
-@dataclass(frozen=True, slots=True)
-class Function:
+class Function(NamedTuple):
     """A translated function, as the template of its language takes it."""
 
     name: str
@@ -141,81 +140,80 @@ class _Assigned(NamedTuple):
     value: ast.expr
 
 
-class _Inlined:
-    """Lines of a function in which every call is replaced by the lines of the called function."""
+class _Inlined(ast.NodeTransformer):
+    """Lines of a function in which every call is replaced by the lines of the called function.
+
+    As a transformer it puts an expression into the new names, with its calls replaced.
+    """
 
     def __init__(self, called: Mapping[str, ast.FunctionDef], taken: Iterable[str]):
         self.called = called
         self.taken = set(taken)  # names in use
         self.lines: list[_Assigned] = []
         self.routine = ""
+        self.names: dict[str, Value] = {}  # new names, or lists of them, in the routine
         self.known: dict[str, Value] = {}  # results by call
         self.steps: set[ast.Name] = set()  # names given in steps
 
-    def value(self, node: ast.expr, names: Mapping[str, Value]) -> Value:
-        """An expression in the new names, with its calls replaced."""
-        match node:
-            case ast.Name(name):
-                return names.get(name, node)
-            case ast.Tuple(parts):
-                return [self.value(part, names) for part in parts]
-            case ast.Call(ast.Name(name), parts):
-                given = [self.value(part, names) for part in parts]
-                if name == "law":
-                    return _selected(*(self.call(law, given) for law in LAWS))
-                return self.call(name, given) if name in self.called else _call(name, *given)
-            case ast.BinOp(left, operation, right) if isinstance(operation, _OPERATIONS):
-                return ast.BinOp(self.value(left, names), operation, self.value(right, names))
-            case ast.Compare(left, comparison, [right]):
-                return ast.Compare(self.value(left, names), comparison, [self.value(right, names)])
-            case ast.UnaryOp(ast.USub() as operation, operand):
-                return ast.UnaryOp(operation, self.value(operand, names))
-            case ast.Constant():
-                return node
-        raise ValueError(f"{ast.unparse(node)!r} is not in the language")
+    def visit_Name(self, node: ast.Name) -> Value:
+        return self.names.get(node.id, node)
+
+    def visit_Tuple(self, node: ast.Tuple) -> Value:
+        return list(map(self.visit, node.elts))
+
+    def visit_Call(self, node: ast.Call) -> Value:
+        name, given = ast.unparse(node.func), list(map(self.visit, node.args))
+        if name == "law":
+            return _selected(*(self.call(law, given) for law in LAWS))
+        return self.call(name, given) if name in self.called else _call(name, *given)
+
+    def generic_visit(self, node: ast.AST) -> ast.AST:
+        if not isinstance(node, _NODES + _OPERATIONS):
+            raise ValueError(f"{ast.unparse(node)!r} is not in the language")
+        return super().generic_visit(node)
 
     def call(self, name: str, given: Sequence[Value]) -> Value:
         """Result of a call; its lines are taken over unless an equal call has been."""
         key = f"{name} {_nested(ast.unparse, list(given))}"
         if key not in self.known:
-            before = self.routine
-            self.routine = before if name in _STEPS else name
+            before = self.routine, self.names
+            self.routine = self.routine if name in _STEPS else name
             self.known[key] = self.run(self.called[name], given)
-            self.routine = before
+            self.routine, self.names = before
         return self.known[key]
 
     def run(self, tree: ast.FunctionDef, given: Sequence[Value]) -> Value:
         """Take over the lines of a function and return its result, in the new names."""
-        names: dict[str, Value] = {}
+        self.names = {}
         for argument, value in zip(tree.args.args, given, strict=True):
-            self.bind(ast.Name(argument.arg), value, names, step=True)
-        for line in tree.body:
+            self.bind(ast.Name(argument.arg), value, step=True)
+        for line in deepcopy(tree.body):
             match line:
                 case ast.Assign([target], value):
-                    self.bind(target, self.value(value, names), names, step=tree.name in _STEPS)
+                    self.bind(target, self.visit(value), step=tree.name in _STEPS)
                 case ast.Return(ast.expr() as value):
-                    return self.value(value, names)
+                    return self.visit(value)
                 case ast.Expr(ast.Constant()):  # its docstring
                     continue
                 case _:
                     raise ValueError(f"{ast.unparse(line)!r} is not in the language")
         raise ValueError(f"{tree.name} returns nothing")
 
-    def bind(self, target: ast.expr, value: Value, names: dict[str, Value], *, step: bool) -> None:
+    def bind(self, target: ast.expr, value: Value, *, step: bool) -> None:
         """Give a value its names; an expression becomes a line of its own."""
         match target, value:
             case ast.Tuple(parts), _:
                 for part, one in zip(parts, value, strict=True):
-                    self.bind(part, one, names, step=step)
+                    self.bind(part, one, step=step)
             case ast.Name(name), list() | ast.Name() | ast.Constant():
                 if not step and isinstance(value, ast.Name) and value in self.steps:
                     value.id = self.fresh(name)
                     self.steps.remove(value)
-                names[name] = value
+                self.names[name] = value
             case ast.Name(name), _:
-                names[name] = ast.Name(self.fresh(name))
-                self.lines.append(_Assigned(self.routine, names[name], value))
-                self.steps |= {names[name]} if step else set()
+                self.names[name] = ast.Name(self.fresh(name))
+                self.lines.append(_Assigned(self.routine, self.names[name], value))
+                self.steps |= {self.names[name]} if step else set()
 
     def fresh(self, name: str) -> str:
         """Return a name that nothing has so far, and take it."""
@@ -300,11 +298,11 @@ def function(language: str, name: str, about: Mapping[str, str], own: Any) -> Fu
         record = ast.unparse(argument.annotation) if argument.annotation else argument.arg
         arguments[argument.arg] = record if record in (*RECORDS, "law") else ""
     inlined = _Inlined(_called(own), [*arguments, *words.names])
-    values: list[Value] = []
-    for given, record in arguments.items():
-        numbers: Value = [ast.Name(number) for number in numbers_of(given, record)]
-        values.append(numbers if record in RECORDS else ast.Name(given))
-    returned = inlined.run(tree, values)
+    given: list[Value] = [
+        [ast.Name(x) for x in numbers_of(part, kind)] if kind in RECORDS else ast.Name(part)
+        for part, kind in arguments.items()
+    ]
+    returned = inlined.run(tree, given)
     lines = [
         Line(of, variable.id, _is_flag(value), words.text(value))
         for of, variable, value in inlined.needed(returned)
@@ -354,5 +352,8 @@ def source(language: str) -> str:
         product_error=function(words, "product_error", _TEXTS["product_error"], {}),
         module=language == "module",
         record_of=_RECORD_OF,
-        **{"records": RECORDS, "regimes": REGIMES, "laws": LAWS, "digest": files.digest()},
+        records=RECORDS,
+        regimes=REGIMES,
+        laws=LAWS,
+        digest=files.digest(),
     )
