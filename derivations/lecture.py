@@ -8,7 +8,7 @@ monomials in mass, length and time; a plain number has the dimension 1.
 import html
 import re
 import tomllib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from importlib import resources
 from typing import Any, NamedTuple
 
@@ -25,12 +25,8 @@ PRINTED = {"Vdot_z": r"\dot V_z", "cprime_x": "c_x'", "cprime_z": "c_z'"}
 class Part(NamedTuple):
     """Introduction of a section, before its entries: paragraphs, then drawings by their names."""
 
-    text: tuple[str, ...]
-    drawings: tuple[str, ...] = ()
-
-    def said(self, words: Mapping[str, Any]) -> "Part":
-        """Return the introduction with computed words put into its paragraphs."""
-        return self._replace(text=tuple(paragraph % words for paragraph in self.text))
+    text: list[str]  # with %(names)s of computed words
+    drawings: list[str]
 
 
 class Letter(NamedTuple):
@@ -50,32 +46,22 @@ _CITED = re.compile(r"\((B?\d{1,2})(?::\s([^)]*))?\)")
 _SOURCE = resources.files(__package__).joinpath("lecture.toml").read_text("utf-8")
 TEXTS = tomllib.loads(_CITED.sub(r"(\1)", _SOURCE))
 CITED = [(number, " ".join(name.split())) for number, name in _CITED.findall(_SOURCE)]
-
-
-def _paragraphs(text: str) -> tuple[str, ...]:
-    return tuple(" ".join(part.split()) for part in text.split("\n\n"))
-
-
 PARTS = {
-    title: Part(_paragraphs(part["text"]), tuple(part.get("drawings", ())))
+    title: Part(
+        [" ".join(paragraph.split()) for paragraph in part["text"].split("\n\n")],
+        part.get("drawings", []),
+    )
     for title, part in TEXTS["parts"].items()
 }
-REFERENCES = tuple(TEXTS["references"])
-LETTERS = tuple(
-    sorted(
-        (Letter(*line.split(" | ")) for line in TEXTS["letters"].splitlines()),
-        key=lambda letter: (re.sub(r"\\dot |[\\{}]", "", letter.tex).lower(), letter.tex),
-    )
+REFERENCES = TEXTS["references"]
+LETTERS = sorted(
+    (Letter(*line.split(" | ")) for line in TEXTS["letters"].splitlines()),
+    key=lambda letter: (re.sub(r"\\dot |[\\{}]", "", letter.tex).lower(), letter.tex),
 )
 _MEANINGS = {letter.name: letter.meaning for letter in LETTERS}
 _MATH = "<math>(?:(?!</math>).)*</math>"
 _WHOLE = re.compile(rf"\({_MATH}[,.;:)]*|{_MATH}[,.;:)]+")  # a line must not break in it
 _PLAIN = ((r"\ge", ">="), (r"\le", "<="), (r"\to", "->"), (r"\cdot", "."), (r"\,", " "))
-
-
-def _parts(text: str) -> Iterator[tuple[bool, str]]:
-    """Parts of a sentence, split at its dollar signs: (whether it is a formula, text)."""
-    return ((i % 2 == 1, part) for i, part in enumerate(text.split("$")))
 
 
 def to_html(text: str, link: Callable[[str], str] = "".format) -> str:
@@ -89,9 +75,10 @@ def to_html(text: str, link: Callable[[str], str] = "".format) -> str:
         part = html.escape(part, quote=False).replace("'", "’")
         return re.sub(r"\((B?\d+)\)", linked, re.sub("`([^`]+)`", r"<code>\1</code>", part))
 
-    text = re.sub('"([^"]*)"', r"“\1”", text)
-    text = "".join(mathml(words(part)) if math else plain(part) for math, part in _parts(text))
-    return _WHOLE.sub(r'<span class="whole">\g<0></span>', text)
+    parts = re.sub('"([^"]*)"', r"“\1”", text).split("$")
+    parts[::2] = map(plain, parts[::2])
+    parts[1::2] = [mathml(words(part)) for part in parts[1::2]]
+    return _WHOLE.sub(r'<span class="whole">\g<0></span>', "".join(parts))
 
 
 def to_text(text: str) -> str:

@@ -18,16 +18,15 @@ from markupsafe import Markup
 from . import closed_forms, lecture, paper, typeset
 from .drawings import DRAWINGS, WORDS
 from .equality import Form, components
-from .lecture import EXERCISES, LETTERS, to_html
+from .lecture import to_html
 from .proof import Equation
-from .registry import SECTIONS, Entry, Progress, Row
+from .registry import ENTRIES, SECTIONS, Entry, Progress, Row
 from .steps import Reader
 
 TITLE, ABOUT = lecture.TEXTS["title"], lecture.TEXTS["about"]
 VERDICTS = lecture.TEXTS["verdicts"]  # sign, and what the word means
 PRINTED, TOLD = "As printed in our copy", "As our copy says"
-_NUMBERED = re.compile(r"(B?\d+)(?:: (.*))?")
-_TAGS = {entry.tag for _, entries in SECTIONS for entry in entries}
+_TAGS = {entry.tag for entry in ENTRIES}
 
 
 def anchor(tag: str) -> str:
@@ -37,10 +36,7 @@ def anchor(tag: str) -> str:
 
 def _named(tag: str) -> str:
     """Name of a tag: (12) for 12, (B3), second line for B3: second line; others as they are."""
-    found = _NUMBERED.fullmatch(tag)
-    if found:
-        return f"({found[1]})" + (f", {found[2]}" if found[2] else "")
-    return tag
+    return re.sub(r"^(B?\d+)(?=:|$)", r"(\1)", tag).replace("): ", "), ")
 
 
 def forms(entry: Entry) -> list[tuple[str, Form]]:
@@ -122,7 +118,7 @@ def counted(verdicts: Iterable[str]) -> str:
 
 def prepared() -> dict[str, Any]:
     """Parts of the page that need no proof: steps by equations' tags, SVG drawings by names."""
-    equations = [x for _, entries in SECTIONS for x in entries if isinstance(x, Equation)]
+    equations = [x for x in ENTRIES if isinstance(x, Equation)]
     reader = Reader(equations)
     return {
         "steps": {x.tag: reader.lines(x) for x in equations},
@@ -135,22 +131,19 @@ def html(rows: Sequence[Row], prepared: Mapping[str, Any], progress: Progress = 
 
     `progress` may wrap the iteration over entries and functions.
     """
-    by_tag = {row.tag: row for row in rows}
     failed = sum(row.failed for row in rows)
     return _page(
         "report.html",
         TITLE,
         ABOUT,
-        rows=rows,
+        rows={row.tag: row for row in rows},
         outcome=f"{failed} of them not proved." if failed else "No verdict failed.",
         counts=Counter(row.verdict for row in rows),
-        sections=[(title, [(e, by_tag[e.tag]) for e in entries]) for title, entries in SECTIONS],
+        sections=SECTIONS,
         functions=closed_forms.FUNCTIONS,
-        parts={title: part.said(WORDS) for title, part in lecture.PARTS.items()},
+        lecture=lecture,
+        words=WORDS,
         drawings=DRAWINGS,
-        letters=[x._replace(meaning=x.meaning % WORDS) for x in LETTERS],
-        exercises=[(question, by_tag[tag].note) for tag, question in EXERCISES.items()],
-        references=lecture.REFERENCES,
         progress=progress,
         **prepared,
     )
