@@ -63,7 +63,7 @@ def _code(rows: list[registry.Row]) -> int:
 
 def _examples(*lines: str) -> str:
     """Epilogue of a help text: commands as they are typed."""
-    return "\n".join(["\b", *(f"{NAME} {line}".rstrip() for line in lines)])
+    return "\n".join(["\b", *(f"{NAME} {line}" for line in lines)])
 
 
 @click.group(
@@ -86,11 +86,11 @@ def _leave_signals() -> None:
 
 
 @contextmanager
-def _begun() -> Iterator[Callable[..., Any]]:
+def _derived() -> Iterator[Any]:
     """Derive all entries while another process proves those of the code, which derive little.
 
-    Yields a function that maps `prove` over numbers of entries by `over`; the proofs of the code
-    come from that process.
+    Yields a pool of two processes that know the derivations, and a function that maps `prove` over
+    numbers of entries in them; the proofs of the code come from the other process.
     """
     with Pool(1, _leave_signals) as early:
         code = {
@@ -101,12 +101,13 @@ def _begun() -> Iterator[Callable[..., Any]]:
         for entry in _bar("deriving")(registry.ENTRIES):
             with suppress(Exception):  # its proof tells what stops it, if it has a derivation
                 entry.derive()
+        with Pool(2, _leave_signals) as late:
 
-        def share(over: Any, prove: Any, numbers: Any) -> Iterator[registry.Row]:
-            rest = iter(over(prove, [n for n in numbers if n not in code]))
-            return (code[n].get() if n in code else next(rest) for n in numbers)
+            def share(prove: Any, numbers: Any) -> Iterator[registry.Row]:
+                rest = late.imap(prove, [n for n in numbers if n not in code])
+                return (code[n].get() if n in code else next(rest) for n in numbers)
 
-        yield share
+            yield late, share
 
 
 @main.command(epilog=_examples("check", "check --json"))
@@ -116,8 +117,8 @@ def check(as_json: bool = False) -> int:
 
     The exit code is 1 if a proof fails.
     """
-    with _begun() as share, Pool(2, _leave_signals) as late:
-        rows = registry.check(_bar("proving"), partial(share, late.imap))
+    with _derived() as (_, share):
+        rows = registry.check(_bar("proving"), share)
     print(json.dumps([row.as_dict() for row in rows], indent=1) if as_json else table(rows))
     return _code(rows)
 
@@ -180,9 +181,9 @@ def write_report(out: Path) -> int:
 
     page = files.plain(out / "report.html")
     out.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryFile(dir=out), _begun() as share, Pool(1, _leave_signals) as late:
+    with tempfile.TemporaryFile(dir=out), _derived() as (late, share):
         prepared = late.apply_async(report.prepared)
-        rows = registry.check(_bar("proving"), partial(share, map))
+        rows = registry.check(_bar("proving"), share)
         if stuck := [row for row in rows if not row.computed]:
             print(table(stuck), "No report is written: these cannot be computed.", sep="\n")
             return 1

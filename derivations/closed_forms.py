@@ -43,7 +43,6 @@ from .symbols import (
     v_f,
 )
 
-_one = {m: 1}  # impulses per unit mass
 _gain, _rest, _j_1, _N_after, _cross = sp.symbols("gain rest j_1 N_after cross", real=True)
 
 
@@ -56,7 +55,7 @@ def _sticking() -> dict[str, sp.Expr]:
     """Impulse (push, lift) and spin (turn) of j = 1 while the contact sticks, per unit mass."""
     lift = SQUARES[K_z]
     push = sticking_force().subs(F_z, lift)
-    return {"push": push, "lift": lift, "turn": spin_jump(push, lift).subs(_one)}
+    return {"push": push, "lift": lift, "turn": spin_jump(push, lift)}
 
 
 _POSITIVE = sp.symbols(
@@ -136,21 +135,21 @@ FUNCTIONS: tuple[Function, ...] = (
     Function(
         "slide",
         lambda: {
-            "j_1": slide.impulse()[1].subs(_one) / k**2,
-            "u_f": slide.slide_excess().subs(_one),
+            "j_1": slide.impulse()[1] / k**2,
+            "u_f": slide.slide_excess(),
         },
         meaning={**CONTACT, _gain: -(1 + epsilon) * v_0},
     ),
     Function(
         "stop",
-        lambda: {"j_1": stop()[1].subs(_one) / k**2, "rise": stop()[2] - v_0},
+        lambda: {"j_1": stop()[1] / k**2, "rise": stop()[2] - v_0},
         meaning=RESPONSES,
     ),
     Function(
         "reverse",
         lambda: {
-            "j_2": (_until_v_f(slip_reversal.impulse()[1]) - stop()[1]).subs(_one) / k**2,
-            "u_f": _until_v_f(slip_reversal.final_slip()).subs(_one),
+            "j_2": (_until_v_f(slip_reversal.impulse()[1]) - stop()[1]) / k**2,
+            "u_f": _until_v_f(slip_reversal.final_slip()),
         },
         meaning={**CONTACT, _rest: v_f - stop()[2]},
     ),
@@ -159,23 +158,23 @@ FUNCTIONS: tuple[Function, ...] = (
         lambda: {
             "push": mu * k**2,
             "lift": k**2,
-            "turn": spin_jump(-mu * k**2, k**2).subs(_one),
-            "back": spin_jump(mu * k**2, k**2).subs(_one),
+            "turn": spin_jump(-mu * k**2, k**2),
+            "back": spin_jump(mu * k**2, k**2),
         },
     ),
     Function("stick", _sticking, meaning=SQUARES),
     Function(
         "stick_response",
-        lambda: {"N_stick": k**2 * laws.slopes()["stick"].subs(_one)},
+        lambda: {"N_stick": k**2 * laws.slopes()["stick"]},
         meaning=SQUARES,
     ),
     Function(
         "slopes",
         lambda: {
-            "w": laws.a_2 * stop()[1].subs(_one),
-            "r": laws.a_2 / laws.slopes()["slip"].subs(_one),
+            "w": laws.a_2 * stop()[1],
+            "r": laws.a_2 / laws.slopes()["slip"],
         },
-        meaning={**RESPONSES, _N_after: k**2 * laws.a_2, _j_1: stop()[1].subs(_one) / k**2},
+        meaning={**RESPONSES, _N_after: k**2 * laws.a_2, _j_1: stop()[1].subs(m, 1) / k**2},
     ),
     *(
         _of_law(law, order, output, power)

@@ -5,10 +5,9 @@ Text is set as paths, so that a drawing needs no font; `DRAWINGS` holds them all
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 from io import StringIO
-from typing import Any
+from typing import Any, NamedTuple
 
 import matplotlib as mpl
 import numpy as np
@@ -66,8 +65,7 @@ EDGES = {"14": "blue", "16": "orange"}  # lines of the map where these entries c
 At = dict[sp.Symbol, Any]
 
 
-@dataclass(frozen=True)
-class Drawing:
+class Drawing(NamedTuple):
     """One drawing of the report, with its title and caption."""
 
     name: str
@@ -151,7 +149,8 @@ def geometry() -> Figure:
         axes.annotate("", end, start, arrowprops=style | curved)
         words[latex(letter)] = end
     for word, corner in words.items():
-        axes.text(corner[0] + 0.03, corner[1] + 0.03, f"${word}$")
+        x, y = corner + 0.03
+        axes.text(x, y, f"${word}$")
     lefts = zip(LEFTS["newton.contact_velocity"], (lever_x, lever_z), strict=True)
     along = ", ".join(f"${left}$ along ${axis}$" for left, axis in lefts)
     axes.text(0.06, -0.17, f"contact point: {along}")
@@ -234,26 +233,24 @@ def regimes() -> Figure:
     """
     figure = Figure(figsize=(5.4, 3.8))
     axes = figure.subplots()
-    over = {phi: np.radians(np.linspace(0.05, 89.95, 300)), mu: np.linspace(0.002, 1.1, 200)}
-    tilt, friction = np.meshgrid(*over.values())
+    tilt, friction = np.meshgrid(np.linspace(0.05, 89.95, 300), np.linspace(0.002, 1.1, 200))
     regime = np.full(tilt.shape, len(EDGES))
     for code, (tag, color) in enumerate(EDGES.items()):
         (form,) = components(entry_of(tag).derive())
-        side = sp.lambdify(tuple(over), form.subs(THIN).subs(MAP))(tilt, friction)
+        side = sp.lambdify((phi, mu), form.subs(THIN).subs(MAP))(np.radians(tilt), friction)
         edge = np.ma.masked_where(regime < code, side)  # where no condition before it holds
-        line = {"levels": [0], "colors": COLORS[color], "linewidths": 2}
-        axes.contour(np.degrees(tilt), friction, edge, **line)
+        axes.contour(tilt, friction, edge, levels=[0], colors=COLORS[color], linewidths=2)
         regime[(regime > code) & (side >= 0)] = code
-    shades = {"levels": [-0.5, 0.5, 1.5, 2.5], "colors": ["#cfe3f3", "#f4f4f4", "#fbdcc6"]}
-    axes.contourf(np.degrees(tilt), friction, regime, zorder=0, **shades)
-    largest, tangent = (float(x) for x in thin_rod.largest_reversal_friction())
+    shades = "#cfe3f3", "#f4f4f4", "#fbdcc6"
+    axes.contourf(tilt, friction, regime, levels=[-0.5, 0.5, 1.5, 2.5], colors=shades, zorder=0)
+    largest, tangent = map(float, thin_rod.largest_reversal_friction())
     axes.plot(np.degrees(np.arctan(tangent)), largest, "o", color=ORANGE)
     for place in ((20, 0.6), (52, 0.42), (82, 0.2)):
-        nearest = np.hypot(np.degrees(tilt) / 90 - place[0] / 90, friction - place[1]).argmin()
+        nearest = np.hypot(tilt / 90 - place[0] / 90, friction - place[1]).argmin()
         axes.text(*place, list(IMPACTS)[regime.flat[nearest]], ha="center")
-    for axis, letter in zip("xy", over, strict=True):
-        axes.set(**{f"{axis}label": f"${latex(letter)}$" + " (degrees)" * (letter == phi)})
-    axes.set(xlim=(0, 90), ylim=(0, 1.1))
+    axes.set(
+        xlabel=f"${latex(phi)}$ (degrees)", ylabel=f"${latex(mu)}$", xlim=(0, 90), ylim=(0, 1.1)
+    )
     return figure
 
 

@@ -1,10 +1,10 @@
 """Tests whether forms are equal: identically where they are rational, else at random points."""
 
 import random
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from functools import cache
 from math import prod
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import mpmath
 import sympy as sp
@@ -78,10 +78,16 @@ def random_point(free: Iterable[sp.Symbol], seed: int) -> dict[sp.Symbol, sp.Rat
 
 
 @cache
-def compiled(expr: sp.Expr) -> tuple[list[sp.Symbol], Callable[..., mpmath.mpf]]:
+def _compiled(expr: sp.Expr) -> tuple[list[sp.Symbol], Callable[..., mpmath.mpf]]:
     """Letters of an expression, and the expression as an mpmath function of them."""
     letters = sorted(expr.free_symbols, key=str)
     return letters, sp.lambdify(letters, expr, "mpmath")
+
+
+def value(form: sp.Expr, at: Mapping[sp.Symbol, Any]) -> Any:
+    """Value of a form where its letters have values, by mpmath."""
+    letters, function = _compiled(form)
+    return function(*(at[letter] for letter in letters))
 
 
 def _value(expr: sp.Expr, known: dict[sp.Expr, mpmath.mpf]) -> mpmath.mpf:
@@ -92,8 +98,7 @@ def _value(expr: sp.Expr, known: dict[sp.Expr, mpmath.mpf]) -> mpmath.mpf:
             combine = sum if expr.is_Add else prod
             known[expr] = mpmath.power(*parts) if expr.is_Pow else combine(parts)
         else:
-            letters, function = compiled(expr)
-            known[expr] = function(*(known[letter] for letter in letters))
+            known[expr] = value(expr, known)
     return known[expr]
 
 

@@ -46,7 +46,7 @@ DIGEST = "{digest}"  # sha256 of these functions and the kernel, first 16 digits
 def source(progress: Progress = iter) -> str:
     """Text of impact/_generated.py: the closed forms, and a digest of them and the kernel."""
     forms = "\n\n\n".join(map(codegen.text, progress(closed_forms.FUNCTIONS))) + "\n"
-    whole = forms + KERNEL.read_text(encoding="utf-8")
+    whole = forms + KERNEL.read_text("utf-8")
     digest = hashlib.sha256(whole.encode()).hexdigest()[:16]
     return _HEAD.format(digest=digest) + "\n\n" + forms
 
@@ -103,8 +103,8 @@ def replacing(path: str | Path) -> Iterator[Path]:
 
 def write(text: str, target: Path) -> bool:
     """Write a text file, whole or not at all; return whether the file changed."""
-    if plain(target).exists() and target.read_text(encoding="utf-8") == text:
+    if plain(target).exists() and target.read_text("utf-8") == text:
         return False
     with replacing(target) as part:
-        part.write_text(text, encoding="utf-8")
+        part.write_text(text, "utf-8")
     return True

@@ -29,12 +29,11 @@ on rounding errors alone, or beyond the range of floating-point numbers.
 import ast
 import sys
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from functools import cache, reduce
 from itertools import product
 from pathlib import Path
 from types import FrameType
-from typing import Any
+from typing import Any, NamedTuple
 
 import mpmath
 import numpy as np
@@ -42,7 +41,7 @@ import sympy as sp
 
 from . import laws, slide, slip_reversal, slip_stick
 from .axioms import RESTITUTION
-from .equality import DIGITS, compiled, equal_at_random_points
+from .equality import DIGITS, equal_at_random_points, value
 from .laws import A, B, C, a_1, a_2
 from .newton import approach, spin_jump
 from .proof import Equation, Proof, Verdict
@@ -78,7 +77,7 @@ SLIDE, STICK, BACK = 1, 2, 3  # codes of regimes; 0 is no impact
 _RETURNED = "c_x", "c_z", "omega", "regime", "P_x", "P_z", "slip", "v_f", "energy"
 # By function: a sum of its names, and how many roundings are left in it at most. Each is as large
 # as that sum, or as the sum after "of".
-ACCURATE: Mapping[str, tuple[str, ...]] = {
+ACCURATE = {
     "contact_velocity": ("u_0 + u_low: 0", "v_0 + v_low: 0"),
     "responses": ("N + N_low: 0", "T + T_low: 0", "N_back: 1", "T_back: 2", "K: 1", "K_z: 1"),
     "branches": ("gain_slide + gain_low: 1", "j_slide: 3", "u_slide: 5 of u_0 + u_slide"),
@@ -97,7 +96,7 @@ ACCURATE: Mapping[str, tuple[str, ...]] = {
 @cache
 def _tree(code: str) -> ast.Module:
     """Syntax tree of the closed forms and of the kernel's text, without their imports."""
-    tree = ast.parse(CLOSED_FORMS.read_text(encoding="utf-8") + code)
+    tree = ast.parse(CLOSED_FORMS.read_text("utf-8") + code)
     tree.body = [node for node in tree.body if not isinstance(node, ast.ImportFrom)]
     return tree
 
@@ -168,12 +167,6 @@ def on_numbers(code: str, law: str, at: Situation) -> tuple[Any, list[bool], dic
 
 
 # ---- what an impact is --------------------------------------------------------------------------
-
-
-def value(form: sp.Expr, at: Situation) -> Any:
-    """Value of a form in a situation."""
-    letters, function = compiled(form)
-    return function(*(at[letter] for letter in letters))
 
 
 @remembered
@@ -336,38 +329,37 @@ def wrong_twofold(code: str) -> Iterator[str]:
                     yield f"{name} leaves a rounding"
 
 
-@dataclass(frozen=True, kw_only=True)
-class Code:
+class Code(NamedTuple):
     """Entry of the registry for functions of the kernel, with what is proved of them.
 
     tag : name of the entry in the registry
     what : the statement that is proved
-    note : more about the statement
     shown : names of the functions that are shown with it
     wrong : gives messages on what is wrong with the file's text
     tried : what the proof tried it on, in words
+    note : more about the statement
     verdict : "new" for all of these entries
     """
 
     tag: str
     what: str
-    note: str = ""
     shown: tuple[str, ...]
     wrong: Callable[[str], Iterator[str]]
     tried: str
+    note: str = ""
     verdict: Verdict = "new"
 
     @property
     def text(self) -> str:
         """Source of the functions that are named in `shown`."""
-        code = KERNEL.read_text(encoding="utf-8")
+        code = KERNEL.read_text("utf-8")
         shown = [node for node in ast.parse(code).body if getattr(node, "name", "") in self.shown]
         return "\n\n".join(ast.get_source_segment(code, node) or "" for node in shown)
 
     def prove(self) -> Proof:
         """Test the statement on the code that ships; what is wrong first is the evidence."""
         try:
-            wrong = next(self.wrong(KERNEL.read_text(encoding="utf-8")), "")
+            wrong = next(self.wrong(KERNEL.read_text("utf-8")), "")
         except Exception as error:  # whatever stops a computation, there is no proof
             return Proof(ok=False, evidence=f"{type(error).__name__}: {error}", computed=False)
         return Proof(ok=not wrong, evidence=wrong or self.tried)

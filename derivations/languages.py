@@ -63,7 +63,7 @@ _TEXTS = tomllib.loads(resources.files(__package__).joinpath("languages.toml").r
 RECORDS: Mapping[str, Mapping[str, str]] = _TEXTS["records"]
 FUNCTIONS: Mapping[str, Mapping[str, str]] = _TEXTS["functions"]
 REGIMES = {"INVALID": -1, "NO_IMPACT": 0, "SLIDE": 1, "SLIP_STICK": 2, "SLIP_REVERSAL": 3}
-LANGUAGES: Mapping[str, str] = {
+LANGUAGES = {
     "c": "rod_impact.h.jinja",
     "javascript": "rod_impact.js.jinja",
     "module": "rod_impact.js.jinja",
@@ -125,7 +125,7 @@ def _written(name: str, about: Mapping[str, str]) -> ast.FunctionDef:
 
 def _called(own: Mapping[str, Mapping[str, str]]) -> dict[str, ast.FunctionDef]:
     """Syntax trees of all functions that may be called; `own` are those of a language."""
-    found = {tree.name: tree for tree in functions(KERNEL.read_text(encoding="utf-8"))}
+    found = {tree.name: tree for tree in functions(KERNEL.read_text("utf-8"))}
     for name, about in (*_TEXTS["called"].items(), *own.items()):
         tree = deepcopy(found[about["of"]]) if "of" in about else _written(name, about)
         found[name] = _InTwiceTheDigits().visit(tree) if "twofold" in about else tree
@@ -261,7 +261,7 @@ class _Words(ast.NodeTransformer):
     """
 
     def __init__(self, language: str):
-        known = loaded(KERNEL.read_text(encoding="utf-8"), {})
+        known = loaded(KERNEL.read_text("utf-8"), {})
         constants = {name: repr(x) for name, x in known.items() if isinstance(x, float)}
         self.names = constants | _TEXTS["names"][language]
 

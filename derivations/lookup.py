@@ -84,9 +84,7 @@ def _real(name: str, value: Any) -> Any:
 
 def _spread(value: Any, shape: tuple[int, ...]) -> Any:
     """Broadcast a constant result to the shape of the arguments; an array stays as it is."""
-    if isinstance(value, bool | int | float):
-        return np.full(shape, value if isinstance(value, bool) else float(value))[()]
-    return value
+    return np.full(shape, float(value))[()] if isinstance(value, int | float) else value
 
 
 def function(tag: str | int) -> Callable[..., Any]:

@@ -179,12 +179,13 @@ LETTERS: dict[str, Any] = {
     r"\omega_x": sp.Symbol("omega_x", real=True),
     r"\phi_c": s.phi,
     r"\alpha": s.alpha,
-    r"\mathbf{s}": sp.Symbol("s", positive=True),
-    r"\delta": sp.Symbol("delta", positive=True),
     "c'_x": sp.Symbol("cprime_x", real=True),
     "c'_z": sp.Symbol("cprime_z", real=True),
-    **{x: sp.Symbol(x, positive=True) for x in ("g", "D", "M_e", "v_n", "v_t", "k_n", "k_t")},
-    **{rf"\gamma_{x}": sp.Symbol(f"gamma_{x}", positive=True) for x in "nt"},
+    r"\mathbf{s}": sp.Symbol("s", positive=True),
+    **{
+        x: sp.Symbol(x.removeprefix("\\"), positive=True)
+        for x in (r"\delta", r"\gamma_n", r"\gamma_t", "k_n", "k_t", "v_n", "v_t", "M_e", "D", "g")
+    },
 }
 COMPONENTS = {  # of vectors on left sides, by the steps that derive them
     r"\mathbf{v}": ("u", "v"),

@@ -24,7 +24,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import KW_ONLY, dataclass
 from difflib import SequenceMatcher
 from types import FunctionType
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 import sympy as sp
 
@@ -44,8 +44,7 @@ _EXAMPLE = """
 EXAMPLE = {s.NAMED[x]: sp.Rational(y) for x, y in re.findall(r"(\w+) = ([-/\d]+)", _EXAMPLE)}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Proof:
+class Proof(NamedTuple):
     """Result of testing a verdict."""
 
     ok: bool  # whether the verdict stood
@@ -294,8 +293,7 @@ class Equation:
         return form.applyfunc(tidy) if isinstance(form, sp.MatrixBase) else tidy(form)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Noted:
+class Noted(NamedTuple):
     """A sentence or a citation of the paper, quoted beside what it does not fit.
 
     It is shown and never counted: not among the proofs, not among the mistakes.

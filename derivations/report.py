@@ -22,6 +22,7 @@ from .lecture import to_html
 from .proof import Equation
 from .registry import ENTRIES, SECTIONS, Entry, Progress, Row
 from .steps import Reader
+from .typeset import equation
 
 TITLE, ABOUT = lecture.TEXTS["title"], lecture.TEXTS["about"]
 VERDICTS = lecture.TEXTS["verdicts"]  # sign, and what the word means
@@ -50,28 +51,16 @@ def forms(entry: Entry) -> list[tuple[str, Form]]:
     return found
 
 
-def _lines_of(entry: Equation, label: str, form: Form) -> list[list[str]]:
+def _lines_of(entry: Equation, label: str, form: Form) -> list[tuple[str, ...]]:
     """LaTeX of a form of an entry: the paper's own if it prints one, repaired where derived."""
     if not entry.own or (label != PRINTED and not entry.repair):
-        return equations(entry.lefts, form)
+        values = components(form) if isinstance(form, sp.MatrixBase) else [form]
+        pairs = dict.fromkeys(zip(map(typeset.words, entry.lefts), values, strict=True))
+        return [equation(*pair) for pair in pairs]
     texts = [paper.EQUATIONS[tag].tex for tag in dict.fromkeys(entry.own)]
     for repair in entry.repair if label != PRINTED else ():
         texts = [repair.of(tex) for tex in texts]
-    return [[tex] for tex in texts]
-
-
-def equations(lefts: Sequence[str], form: Form) -> list[list[str]]:
-    """LaTeX of a form with its left sides; a column of values as one equation each."""
-    values = components(form) if isinstance(form, sp.MatrixBase) else [form]
-    return [equation(*pair) for pair in dict.fromkeys(zip(lefts, values, strict=True))]
-
-
-def equation(left: str, form: Form) -> list[str]:
-    """LaTeX of a form with its left side, in pieces between which a line may break."""
-    first, *more = typeset.pieces(form)
-    if isinstance(form, sp.Rel):
-        return [first, *more]
-    return [f"{typeset.words(left)} = {first}", *more]
+    return [(tex,) for tex in texts]
 
 
 # ---- HTML -------------------------------------------------------------------------------------
@@ -97,7 +86,7 @@ _html.globals |= {
     "lines_of": _lines_of,
     "equation": equation,
 }
-STYLE = resources.files(__package__).joinpath("templates/page.css").read_text(encoding="utf-8")
+STYLE = resources.files(__package__).joinpath("templates/page.css").read_text("utf-8")
 
 
 def _page(template: str, title: str, about: str, style: str = "", **values: Any) -> str:

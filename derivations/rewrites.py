@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from importlib import resources
-from typing import Any
+from typing import Any, NamedTuple
 
 import sympy as sp
 
@@ -31,7 +31,6 @@ WORDS = tomllib.loads(resources.files(__package__).joinpath("functions.toml").re
 N, T, N_back, T_back = sp.symbols("N T N_back T_back", real=True)
 K, K_z = sp.symbols("K K_z", positive=True)  # k^2 + X^2 + Z^2 and k^2 + Z^2
 w, r = sp.symbols("w r", real=True)  # a_2 P_1 and a_2/a_1
-_OWN = N, T, N_back, T_back, K, K_z, w, r, A, B, C
 
 
 class Letters(dict[str, sp.Symbol]):
@@ -41,7 +40,7 @@ class Letters(dict[str, sp.Symbol]):
         return sp.Symbol(name, real=True)
 
 
-LETTERS = Letters(NAMED | {letter.name: letter for letter in _OWN})
+LETTERS = Letters(NAMED | {letter.name: letter for letter in (K, K_z, A, B, C)})
 
 
 @remembered
@@ -61,8 +60,7 @@ GENERAL = {w: a_2 * P_1, r: a_2 / a_1, v_1: V_1}
 CONTACT = {**RESPONSES, v_1: slide.stop()[2]}
 
 
-@dataclass(frozen=True, slots=True)
-class Rule:
+class Rule(NamedTuple):
     """A named rewriting step and the reason for it."""
 
     name: str
@@ -140,8 +138,8 @@ class Function:
 
     @cached_property
     def outputs(self) -> Body:
-        """Outputs of the function, as derived, by their letters."""
-        return {self.letters[str(name)]: form for name, form in self.derived().items()}
+        """Outputs of the function, as derived, by their letters; impulses per unit mass."""
+        return {self.letters[str(x)]: form.subs(m, 1) for x, form in self.derived().items()}
 
     @property
     def lines(self) -> dict[str, str]:

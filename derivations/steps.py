@@ -6,9 +6,8 @@ if that is short enough to be read. A step that one entry has shown is cited by 
 """
 
 import inspect
-from dataclasses import dataclass
 from itertools import chain
-from typing import Any
+from typing import Any, NamedTuple
 
 import sympy as sp
 
@@ -16,7 +15,7 @@ from . import axioms, trace
 from .equality import components
 from .proof import Equation
 from .trace import Step
-from .typeset import latex, pieces, tidy
+from .typeset import equation, latex, pieces, tidy
 
 LONGEST = 1600  # characters of LaTeX; longer formulas are left out, and words alone are shown
 MOST = 220  # operations; a form with more is left out, as it would take long to tidy
@@ -29,8 +28,7 @@ _CASES = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class Line:
+class Line(NamedTuple):
     """One step as it is shown: a sentence, formulas, and tags of entries to link to."""
 
     text: str  # sentence with formulas between dollar signs
@@ -46,11 +44,7 @@ def _equations(values: list[tuple[str, Any]]) -> tuple[tuple[str, ...], ...]:
     """LaTeX of each value with its left side; empty if they are too long to be read."""
     if not all(_short(value) for _, value in values):
         return ()
-    found = []
-    for left, value in values:
-        first, *more = pieces(tidy(value))
-        found.append((f"{left} = {first}", *more))
-    return _readable(found)
+    return _readable([equation(left, tidy(value)) for left, value in values])
 
 
 def _readable(formulas: list[tuple[str, ...]]) -> tuple[tuple[str, ...], ...]:
@@ -67,8 +61,8 @@ def _solved(step: Step) -> Line:
             left = _numerator(left, step.given)
         if not _short(left):
             return Line(sentence)
-        sides = [pieces(tidy(side)) if side != 0 else ["0"] for side in (left, right)]
-        formulas.append((*sides[0][:-1], f"{sides[0][-1]} = {sides[1][0]}", *sides[1][1:]))
+        (*above, last), (first, *below) = (pieces(tidy(side)) for side in (left, right))
+        formulas.append((*above, f"{last} = {first}", *below))
     return Line(sentence, _readable(formulas))
 
 
@@ -132,8 +126,7 @@ class Reader:
         sentence = step.what + _put_in(step)
         if own and entry.tag != own[0]:
             return [Line(sentence, (), tuple(own[:1] if entry.tag in own else own))]
-        words = tuple(x for x in step.given if isinstance(x, str))
-        cited, given = self.shown.setdefault((step.name, words), (entry.tag, step.given))
+        cited, given = self.shown.setdefault(step.case, (entry.tag, step.given))
         fresh = cited == entry.tag
         if not fresh and given == step.given:
             return [Line(sentence, (), (cited,))]

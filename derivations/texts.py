@@ -15,7 +15,7 @@ import re
 from collections.abc import Iterator, Sequence
 from functools import cache
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple
 
 import sympy as sp
 
@@ -26,7 +26,7 @@ from .kernel import KERNEL
 from .proof import Equation, told
 from .trace import Step
 
-READ = "98eb11e1726f5aa6"  # digest of all words, when they were last read
+READ = "ecce99853f77fd70"  # digest of all words, when they were last read
 _REMARK = re.compile(r'"""(?s:.*?)"""|#.*')
 _NUMBER = re.compile(r"\((B?\d+)\)")
 _NUMBERED = re.compile(r"(B?\d+)(: (?!text).*)?")
@@ -50,10 +50,15 @@ _UNIT = re.compile(r"((?:\$[^$]+\$(?:, | and )?)+) in (m/s|1/s|m|\$[^$]+\$)(?![\
 # ---- numbers of equations ------------------------------------------------------------------------
 
 
-Take: TypeAlias = tuple[Step, Any]  # a step taken, and the place of its value; None: the whole
+class _Held(NamedTuple):
+    """Number of an equation, and the value that a derivation takes last: that of the equation."""
+
+    number: str
+    step: Step
+    place: Any  # of the value among those of the step; None: the whole
 
 
-def _takes(steps: Sequence[Step]) -> Iterator[Take]:
+def _takes(steps: Sequence[Step]) -> Iterator[tuple[Step, Any]]:
     """Axioms and derived steps, each with the place of a value that is taken; None: the whole."""
     for step in steps:
         if step.kind in ("axiom", "derived"):
@@ -62,35 +67,29 @@ def _takes(steps: Sequence[Step]) -> Iterator[Take]:
             yield from ((step, place) for place in places or [None])
 
 
-def _holders(entries: Sequence[Equation]) -> list[tuple[str, Take]]:
-    """Numbers of equations, each with the take that is its value: the last of its derivation."""
+def _holders(entries: Sequence[Equation]) -> list[_Held]:
+    """Numbered equations, each with its value."""
     found = []
     for entry in entries:
         number, takes = _NUMBERED.fullmatch(entry.tag), list(_takes(entry.steps))
         if number and takes:
-            found.append((number[1], takes[-1]))
+            found.append(_Held(number[1], *takes[-1]))
     return found
 
 
-def _case(step: Step) -> tuple[str, ...]:
-    return step.name, *(x for x in step.given if isinstance(x, str))
-
-
-def _numbers(
-    steps: Sequence[Step], held: Sequence[tuple[str, Take]], own: bool = False
-) -> list[str]:
+def _numbers(steps: Sequence[Step], held: Sequence[_Held], own: bool = False) -> list[str]:
     """Numbers of the equations whose values steps take, in their order.
 
     `own` asks for equations that hold a value of the same step, but for other arguments.
     """
     found = []
     for step, place in _takes(steps):
-        same = [(n, take) for n, take in held if _case(take[0]) == _case(step)]
-        exact = [(n, take) for n, take in same if take[0].given == step.given]
-        first = [*{take[1]: (n, take) for n, take in reversed(same)}.values()][::-1]
-        other = [(n, take) for n, take in first if take[0].given != step.given]
+        same = [x for x in held if x.step.case == step.case]
+        exact = [x for x in same if x.step.given == step.given]
+        first = [*{x.place: x for x in reversed(same)}.values()][::-1]
+        other = [x for x in first if x.step.given != step.given]
         cited = other if own else exact or first
-        found += [n for n, take in cited if None in (place, take[1]) or take[1] == place]
+        found += [x.number for x in cited if None in (place, x.place) or x.place == place]
         if not same:
             found += _numbers(step.inner, held)
     return found
@@ -199,7 +198,7 @@ def wrong_functions() -> Iterator[str]:
         for names, unit in _UNIT.findall(words):
             meant = paper.read(_plain(unit), {"m": _UNITS["L"], "s": _UNITS["T"]})
             for name in map(_plain, names.split("$")[1::2]):
-                form = {str(x): form for x, form in function.outputs.items()}.get(name)
+                form = function.outputs.get(function.letters[name])
                 found = dimension(left_side(name) if form is None else form)
                 if found.subs(_UNITS["M"], 1) != meant:  # impulses are per unit mass
                     yield f"{function.name}: {name} is not in {unit}"

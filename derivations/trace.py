@@ -8,9 +8,8 @@ import inspect
 import re
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from functools import wraps
-from typing import Any
+from typing import Any, NamedTuple, TypeAlias
 
 import sympy as sp
 from sympy.core.random import seed
@@ -19,12 +18,13 @@ from . import paper
 from .equality import equal
 from .typeset import latex
 
+Derivation: TypeAlias = Callable[..., Any]
+
 _SEVERAL = re.compile(r"[-+/]")  # in a left side of several letters
 _UNREAD = re.compile(r"[A-Za-z\\'|]")
 
 
-@dataclass(frozen=True, slots=True)
-class Step:
+class Step(NamedTuple):
     """One step of a derivation: an axiom put to use, a value derived, an equation solved."""
 
     kind: str  # "axiom", "derived", "part" (of a derived one), "solved" or "said"
@@ -39,6 +39,11 @@ class Step:
         if self.kind != "derived":
             return self.name
         return (STEPS[self.name].__doc__ or "").partition("\n")[0].rstrip(".")
+
+    @property
+    def case(self) -> tuple[str, ...]:
+        """Name of the step, and the cases among its arguments, such as "stick"."""
+        return self.name, *(x for x in self.given if isinstance(x, str))
 
     @property
     def values(self) -> list[tuple[str, sp.Expr]]:
@@ -59,7 +64,7 @@ class Step:
 
 _open: list[list[Step]] = []  # steps of the derivations now being computed, innermost last
 
-STEPS: dict[str, Callable[..., Any]] = {}  # every derivation step, by module and name
+STEPS: dict[str, Derivation] = {}  # every derivation step, by module and name
 LEFTS: dict[str, tuple[str, ...]] = {}  # left sides of each one's values, LaTeX with %(argument)s
 CACHES: list[dict] = []  # one per cached function: arguments to the result with its steps
 
@@ -122,7 +127,7 @@ class Parts(tuple):
         return super().__getitem__(place)
 
 
-def remembered(function: Callable[..., Any], name: str = "") -> Callable[..., Any]:
+def remembered(function: Derivation, name: str = "") -> Derivation:
     """Cache results and their steps by positional arguments; a `name` makes each call a step."""
     results: dict[tuple, tuple[Any, list[Step]]] = {}
 
@@ -147,13 +152,13 @@ def remembered(function: Callable[..., Any], name: str = "") -> Callable[..., An
     return cached
 
 
-def derived(*lefts: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+def derived(*lefts: str) -> Callable[[Derivation], Derivation]:
     """Decorator that registers a derivation step with the left sides of its values, and caches it.
 
     The first line of the step's docstring is the sentence that a reader finds before its values.
     """
 
-    def registered(function: Callable[..., Any]) -> Callable[..., Any]:
+    def registered(function: Derivation) -> Derivation:
         name = f"{function.__module__.rpartition('.')[2]}.{function.__name__}"
 
         @wraps(function)

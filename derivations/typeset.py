@@ -113,14 +113,10 @@ def split(term: sp.Expr) -> tuple[bool, list[sp.Expr], list[sp.Expr]]:
             below.append(base**-exponent)
         else:
             above.append(factor if base == factor.as_base_exp()[0] else base**exponent)
-    size = abs(number)
-    above = [size.p if size.is_Rational else size, *sorted(above, key=_factor_key)]
-    below = [size.q if size.is_Rational else 1, *sorted(below, key=_factor_key)]
-    return (
-        bool(number.is_negative),
-        [sp.sympify(x) for x in above if x != 1],
-        [sp.sympify(x) for x in below if x != 1],
-    )
+    top, bottom = sp.fraction(abs(number))
+    above = [x for x in (top, *sorted(above, key=_factor_key)) if x != 1]
+    below = [x for x in (bottom, *sorted(below, key=_factor_key)) if x != 1]
+    return bool(number.is_negative), above, below
 
 
 class _Printer(LatexPrinter):
@@ -128,7 +124,8 @@ class _Printer(LatexPrinter):
 
     def terms(self, total: sp.Expr) -> list[tuple[bool, str]]:
         """(negative, size) of each term of a sum; a positive term first, if there is one."""
-        whole = total.is_Add and total.primitive()[0] not in (1, -1) and total.primitive()[0].q == 1
+        content, _ = total.primitive()
+        whole = total.is_Add and content.is_Integer and abs(content) != 1
         args = [total] if whole else sorted(sp.Add.make_args(total), key=_term_key)
         found = [self._term(arg) for arg in args]
         first = next((i for i, (minus, _) in enumerate(found) if not minus), 0)
@@ -147,9 +144,8 @@ class _Printer(LatexPrinter):
     def _behind(self, above: list[sp.Expr]) -> list[sp.Expr]:
         """Factors that stand behind a fraction: speeds, integrals, and what contains a fraction."""
         tall = [x for x in above if isinstance(x, sp.Integral) or r"\frac" in self._print(x)]
-        speeds = [x for x in above if moving(x) and x not in tall]
-        rest = [x for x in above if x not in tall and x not in speeds]
-        return [*speeds, *tall] if any(not x.is_number for x in rest) else tall
+        behind = [*(x for x in above if moving(x) and x not in tall), *tall]
+        return tall if all(x.is_number or x in behind for x in above) else behind
 
     def _product(self, factors: list[sp.Expr], alone: bool) -> str:
         bare = alone and len(factors) == 1
@@ -202,11 +198,14 @@ def latex(form: Form) -> str:
 def pieces(form: Form) -> list[str]:
     """LaTeX of a form, a long sum term by term, so that a line can break between them."""
     whole = latex(form)
-    return (
-        pieces_of(_printer.terms(form))
-        if isinstance(form, sp.Add) and len(whole) > _LONG
-        else [whole]
-    )
+    long = isinstance(form, sp.Add) and len(whole) > _LONG
+    return pieces_of(_printer.terms(form)) if long else [whole]
+
+
+def equation(left: str, form: Form) -> tuple[str, ...]:
+    """LaTeX of a form with its left side, in pieces between which a line may break."""
+    first, *more = pieces(form)
+    return first if isinstance(form, sp.Rel) else f"{left} = {first}", *more
 
 
 def mathml(tex: str, display: bool = False) -> str:
