@@ -3,14 +3,13 @@
 An axiom is called with values for its letters, and notes that it was used (module `trace`).
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import sympy as sp
 
 from . import trace
-from .equality import Form, Residuals
+from .equality import Form, Forms, Residuals
 from .proof import Equation
 from .symbols import F_z, P_x, P_z, c_x, c_z, epsilon, m, moment, mu, omega, theta, v_0
 
@@ -35,7 +34,7 @@ class Axiom:
     left: tuple[str, ...]  # left sides of the form's parts, LaTeX
     form: Form
 
-    def __call__(self, values: Mapping[sp.Symbol, sp.Expr], *lefts: str) -> Form:
+    def __call__(self, values: Forms, *lefts: str) -> Form:
         """Return the form with `values` for its letters."""
         value = self.form.subs(values, simultaneous=True)
         trace.note(trace.Step("axiom", self.tag, lefts or self.left, value))

@@ -2,13 +2,13 @@
 
 import sympy as sp
 
-from .equality import Pair, Residuals
+from .equality import Pair, Residuals, Triple
 from .lecture import meaning
 from .proof import Equation, Repair
 from .symbols import X, Z, diameter, h_0, k, length, m, phi
 from .trace import derived
 
-Profile = tuple[tuple[sp.Expr, sp.Expr, sp.Expr], ...]  # (radius, from, to) along the axis
+Profile = tuple[Triple, ...]  # (radius, from, to) along the axis
 
 _z = sp.Symbol("z", real=True)
 

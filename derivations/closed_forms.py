@@ -6,7 +6,7 @@ from functools import partial
 import sympy as sp
 
 from . import bodies, drift, laws, optimum, pairs, slide, slip_reversal, thin_rod
-from .equality import Pair
+from .equality import NamedForms, Pair
 from .newton import approach, spin_jump, velocity_change
 from .pairs import FIRST, SECOND
 from .rewrites import (
@@ -51,7 +51,7 @@ def _until_v_f(part: sp.Expr) -> sp.Expr:
     return part.subs(epsilon, -v_f / v_0)
 
 
-def _sticking() -> dict[str, sp.Expr]:
+def _sticking() -> NamedForms:
     """Impulse (push, lift) and spin (turn) of j = 1 while the contact sticks, per unit mass."""
     lift = SQUARES[K_z]
     push = sticking_force().subs(F_z, lift)
@@ -72,9 +72,7 @@ def _thin(expr: sp.Expr) -> sp.Expr:
     return sp.simplify(expr.subs({X: _x * k, Z: _z * k}))
 
 
-def _rod(
-    contact: Pair, simpler: Callable[[sp.Expr], sp.Expr], square: sp.Expr
-) -> dict[str, sp.Expr]:
+def _rod(contact: Pair, simpler: Callable[[sp.Expr], sp.Expr], square: sp.Expr) -> NamedForms:
     """Outputs of a rod: X and Z by sine and cosine of the tilt, and `gyration`, k^2 over l^2."""
     X, Z = (form.subs({sp.sin(phi): _sin, sp.cos(phi): _cos}) for form in contact)
     return {"X": X, "Z": Z, "gyration": simpler(square.subs(diameter, _s * length) / length**2)}
@@ -95,7 +93,7 @@ def _grip_of(case: str) -> sp.Expr:
     return sp.simplify(_thin(along / up) / _x - _z)
 
 
-def _response() -> dict[str, sp.Expr]:
+def _response() -> NamedForms:
     """Forms that give the eigenvalues of a stationary landing's response, in slip reversal.
 
     `held` is the friction over the critical one; at 1 the forms are those of slip-stick.
@@ -107,7 +105,7 @@ def _response() -> dict[str, sp.Expr]:
     return {name: form.subs(mu, friction) for name, form in zip(names, forms, strict=True)}
 
 
-def _critical_tangents() -> dict[str, sp.Expr]:
+def _critical_tangents() -> NamedForms:
     root = sp.sqrt(9 - 16 * mu**2)
     lower, upper = (tangent.subs(root, _root) for tangent in thin_rod.critical_tangents())
     return {"lower": lower, "upper": upper}
@@ -125,10 +123,10 @@ def _of_levers(form: sp.Expr) -> sp.Expr:
     return sp.expand(form)
 
 
-_turned = (FIRST[X] * SECOND[Z] - SECOND[X] * FIRST[Z]) / (FIRST[k] * SECOND[k])
+_turned = pairs.CROSS / (FIRST[k] * SECOND[k])
 _PAIR = {x: _of_levers(form) for x, form in (pairs.mobility() | {_cross: _turned}).items()}
 
-FUNCTIONS: tuple[Function, ...] = (
+FUNCTIONS = (
     # ---- the impact map ----
     Function("approach", approach),
     Function("slip_response", lambda: {x: responses()[x] for x in (N, T)}),
@@ -207,7 +205,7 @@ FUNCTIONS: tuple[Function, ...] = (
     _of_rods(
         "optimum_back",
         lambda: {"tangent": optimum.optimum("back")[0], "along": optimum.optimum("back")[1]},
-        meaning={_root: sp.sqrt(mu**2 * (9 - epsilon) ** 2 + (1 - epsilon) * (7 - epsilon))},
+        meaning={_root: optimum.ROOT},
     ),
     _of_rods(
         "thin_drift_stick",

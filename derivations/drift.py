@@ -5,7 +5,7 @@ import sympy as sp
 from . import paper, second_routes, slide, slip_reversal, slip_stick
 from .axioms import CLOSURE, LANDING_PHASES, after_x, after_z
 from .bodies import THIN
-from .equality import Pair, Residuals
+from .equality import NamedForms, Pair, Residuals
 from .lecture import PAPER, degrees, number, so
 from .newton import g, velocity_change
 from .proof import Equation
@@ -76,7 +76,7 @@ def centre_excess() -> sp.Expr:
     return sp.factor(stationary("stick")[1] - V_z)
 
 
-def _drifts() -> dict[str, sp.Expr]:
+def _drifts() -> NamedForms:
     """Drifts of both regimes, by left sides with the numbers of their equations, (24) and (27)."""
     return {"c'_x(24)": stationary("stick")[0], "c'_x(27)": stationary("back")[0]}
 

@@ -14,6 +14,9 @@ from . import symbols as s
 
 Form: TypeAlias = sp.Expr | sp.MatrixBase | sp.Rel
 Pair: TypeAlias = tuple[sp.Expr, sp.Expr]
+Triple: TypeAlias = tuple[sp.Expr, sp.Expr, sp.Expr]
+Forms: TypeAlias = dict[sp.Symbol, sp.Expr]  # by what they are the values of
+NamedForms: TypeAlias = dict[str, sp.Expr]
 Residuals: TypeAlias = Iterable[sp.Expr]  # what vanishes where a form is right
 
 DIGITS = 40
@@ -72,7 +75,7 @@ def random_point(free: Iterable[sp.Symbol], seed: int) -> dict[sp.Symbol, sp.Rat
     point = {}
     for symbol in sorted(free, key=str):
         default = ("1/2", "2") if symbol.is_positive else ("-2", "2")
-        low, high = (sp.Rational(end) for end in DOMAIN.get(symbol, default))
+        low, high = map(sp.Rational, DOMAIN.get(symbol, default))
         point[symbol] = low + (high - low) * sp.Rational(draw.randrange(1, 10**6), 10**6)
     return point
 
@@ -118,7 +121,7 @@ def equal_at_random_points(a: sp.Expr, b: sp.Expr, points: int = POINTS) -> bool
 
 def same(a: Form, b: Form) -> bool:
     """Whether two forms are identically equal; inequalities may differ by a positive factor."""
-    pairs = tuple(zip(components(a), components(b), strict=True))
+    pairs = zip(components(a), components(b), strict=True)
     if isinstance(a, sp.Rel):
         as_strict = ("=" in a.rel_op) == ("=" in b.rel_op)
         return as_strict and all(sp.cancel(x / y).is_positive for x, y in pairs)

@@ -17,7 +17,7 @@ import sympy as sp
 from . import second_routes
 from .axioms import RESTITUTION
 from .bodies import THIN
-from .equality import Pair, Residuals
+from .equality import Forms, NamedForms, Pair, Residuals
 from .lecture import degrees, meaning, so
 from .newton import contact_change
 from .proof import Equation
@@ -56,19 +56,19 @@ _DOUBLE = (
 V_1 = v_0 + a_1 * P_1  # normal velocity when the slip stops
 
 
-def read_off(du: sp.Expr, dv: sp.Expr) -> dict[sp.Symbol, sp.Expr]:
+def read_off(du: sp.Expr, dv: sp.Expr) -> Forms:
     """Mobilities A, B, C of a contact, read off its velocity change (du, dv) under (P_x, P_z)."""
     return {A: dv.coeff(P_z), B: -dv.coeff(P_x), C: du.coeff(P_x)}
 
 
 @derived()
-def mobility() -> dict[sp.Symbol, sp.Expr]:
+def mobility() -> Forms:
     """Mobilities by the lengths, read off the contact velocity's response, (5) and (6)."""
     return read_off(*map(sp.expand, contact_change(P_x, P_z)))
 
 
 @derived("a_{%s}")
-def slopes() -> dict[str, sp.Expr]:
+def slopes() -> NamedForms:
     """Slope $dv/dP_z$ while slipping forward, sticking and slipping back."""
     p = sp.Symbol("p", positive=True)
     rates = {
@@ -99,7 +99,7 @@ def compression(order: str) -> sp.Expr:
 
 
 @derived()
-def work(order: str, p_f: sp.Expr) -> dict[sp.Symbol, sp.Expr]:
+def work(order: str, p_f: sp.Expr) -> Forms:
     """Work of the normal impulse during compression and restitution, ended after $P_1$."""
     p, p_c = sp.Symbol("p"), compression(order)
     slip, after = v_0 + a_1 * p, _velocity(p)

@@ -4,12 +4,10 @@ The contact point is the origin, the centre of mass stands at (X, 0, Z), and a p
 turns +z towards +x. Every later equation is computed from the functions below.
 """
 
-from collections.abc import Mapping
-
 import sympy as sp
 
 from .axioms import EULER, IMPULSIVE, NEWTON, RIGID, P, lever_x, lever_z, tau, turn, xi, zeta
-from .equality import Pair
+from .equality import Forms, Pair
 from .lecture import meaning, so
 from .proof import Equation
 from .symbols import (
@@ -122,7 +120,7 @@ def contact_force(place: int) -> sp.Expr:
 
 
 @derived()
-def approach() -> Mapping[sp.Symbol, sp.Expr]:
+def approach() -> Forms:
     """The contact velocity before the impact, (3) with the lever $(-X, -Z)$."""
     u, v = contact_velocity(TO_CONTACT)
     return {u_0: u, v_0: v}

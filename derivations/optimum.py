@@ -12,7 +12,7 @@ import sympy as sp
 from . import second_routes
 from .bodies import T, over_tangent
 from .drift import CASES, landing, landing_velocity, stationary, thin_stationary
-from .equality import Pair, Residuals
+from .equality import Pair, Residuals, Triple
 from .laws import slopes
 from .lecture import PAPER, degrees, formula, number, so
 from .proof import Equation
@@ -51,12 +51,12 @@ def jacobian(case: str) -> sp.Matrix:
 
 
 @derived("[1 - tr + det]_{%(case)s}", "[1 + tr + det]_{%(case)s}", "[1 - det]_{%(case)s}")
-def stability_margins(case: str) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
+def stability_margins(case: str) -> Triple:
     """By trace and determinant of these: the landing is stable where all are positive."""
     a, b, c, d = jacobian(case)
     trace, determinant = a + d, a * d - b * c
     margins = 1 - trace + determinant, 1 + trace + determinant, 1 - determinant
-    return tuple(sp.factor(margin) for margin in margins)
+    return tuple(map(sp.factor, margins))
 
 
 @derived("u_{*, %(case)s}")
@@ -135,7 +135,7 @@ def _least_pressed_in(form: sp.Matrix) -> Residuals:
 
 
 _a, _b = 1 - epsilon, 7 - epsilon
-_root = sp.sqrt(mu**2 * (9 - epsilon) ** 2 + _a * _b)
+ROOT = sp.sqrt(mu**2 * (9 - epsilon) ** 2 + _a * _b)
 
 
 def _best_told(case: str) -> str:
@@ -186,8 +186,8 @@ EQUATIONS = (
         "back",
         "29",
         (
-            _a / (mu * (9 - epsilon) + _root),
-            (1 + epsilon) * (mu * (29 - 5 * epsilon) + 3 * _root) / (2 * _a * _b),
+            _a / (mu * (9 - epsilon) + ROOT),
+            (1 + epsilon) * (mu * (29 - 5 * epsilon) + 3 * ROOT) / (2 * _a * _b),
         ),
     ),
     Equation(

@@ -11,7 +11,7 @@ from functools import cache
 import sympy as sp
 
 from . import laws
-from .equality import Residuals
+from .equality import Forms, Residuals
 from .laws import A, B, C
 from .newton import approach, contact_change
 from .proof import Equation
@@ -36,7 +36,7 @@ def response() -> sp.Matrix:
 
 
 @derived()
-def mobility() -> dict[sp.Symbol, sp.Expr]:
+def mobility() -> Forms:
     r"""Read off $\Delta u = C P_x - B P_z$ and $\Delta v = A P_z - B P_x$."""
     return laws.read_off(*response())
 
@@ -84,7 +84,7 @@ def _sum(form: sp.Expr) -> sp.Expr:
 
 
 _turn = 1 / (m * k**2)
-_cross = FIRST[X] * SECOND[Z] - SECOND[X] * FIRST[Z]
+CROSS = FIRST[X] * SECOND[Z] - SECOND[X] * FIRST[Z]
 EQUATIONS = (
     Equation(
         "pairs: mobilities",
@@ -101,7 +101,7 @@ EQUATIONS = (
         derive=determinant,
         shown=_sum(1 / m) ** 2
         + _sum(1 / m) * _sum(_turn * (X**2 + Z**2))
-        + _turn.subs(FIRST) * _turn.subs(SECOND) * _cross**2,
+        + _turn.subs(FIRST) * _turn.subs(SECOND) * CROSS**2,
         check=lambda form: (form - _answers().det(),),
     ),
     Equation(

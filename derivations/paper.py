@@ -17,6 +17,12 @@ from sympy.core.parameters import distribute
 
 from . import symbols as s
 
+
+def text_of(name: str) -> str:
+    """Text of a file of this package."""
+    return resources.files(__package__).joinpath(name).read_text("utf-8")
+
+
 SOURCE = resources.files(__package__).joinpath("paper.toml").read_bytes()
 DIGEST = "bd41e61dc1ff73e4"  # of paper.toml, when it was compared with our copy of the paper
 _GREEK = ("alpha", "epsilon", "mu", "omega", "phi", "theta")
@@ -191,13 +197,13 @@ COMPONENTS = {  # of vectors on left sides, by the steps that derive them
     r"\mathbf{v}": ("u", "v"),
     r"m \frac{d\mathbf{v}}{dt}": (r"m \dot v_x", r"m \dot v_z"),
 }
-_LETTERS_OF_VECTORS = {
-    r"\mathbf{u}": sp.Matrix([sp.sin(s.phi), 0, sp.cos(s.phi)]),
-    r"\mathbf{c}": sp.Matrix([s.c_x, 0, s.c_z]),
-    r"\mathbf{V}": sp.Matrix([0, 0, s.V_z]),
-    r"\mathbf{F}": sp.Matrix([s.F_x, 0, s.F_z]),
-    r"\boldsymbol{\omega}": sp.Matrix([0, s.omega, 0]),
-    r"d\mathbf{P}": sp.Matrix([s.P_x, 0, s.P_z]),
+_VECTORS = {  # letters, with their components
+    r"\mathbf{u}": (sp.sin(s.phi), 0, sp.cos(s.phi)),
+    r"\mathbf{c}": (s.c_x, 0, s.c_z),
+    r"\mathbf{V}": (0, 0, s.V_z),
+    r"\mathbf{F}": (s.F_x, 0, s.F_z),
+    r"\boldsymbol{\omega}": (0, s.omega, 0),
+    r"d\mathbf{P}": (s.P_x, 0, s.P_z),
 }
 
 
@@ -221,10 +227,10 @@ def printed(tag: str) -> Any:
 
     For an equation between two sums it is the left side less the right one.
     """
-    formula, letters = EQUATIONS[tag], LETTERS | _LETTERS_OF_VECTORS
-    found = read(formula.right, letters)
+    formula, columns = EQUATIONS[tag], {tex: sp.Matrix(x) for tex, x in _VECTORS.items()}
+    found = read(formula.right, LETTERS | columns)
     if tag in TWO_SUMS:
-        return read(formula.left, letters) - found
+        return read(formula.left, LETTERS) - found
     if not isinstance(found, sp.MatrixBase):
         return sp.sympify(found)
     part = [x for x in found if x != 0]

@@ -30,7 +30,7 @@ import sympy as sp
 
 from . import paper, trace
 from . import symbols as s
-from .equality import Form, Residuals, components, equal, is_zero, random_point, same
+from .equality import Form, Forms, Residuals, components, equal, is_zero, random_point, same
 from .typeset import tidy
 
 Verdict = Literal["", "agrees", "erratum", "assumed", "new", "noted"]
@@ -127,7 +127,7 @@ class Equation:
     mistake: str = ""
     contradicted_by: tuple[str, ...] = ()
     contradiction: Callable[..., Form] | None = None
-    at: Mapping[sp.Symbol, sp.Expr] | None = None
+    at: Forms | None = None
     check: Callable[[Form], Residuals] | None = None
 
     def __post_init__(self) -> None:

@@ -10,21 +10,19 @@ import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from importlib import resources
 from typing import Any, NamedTuple
 
 import sympy as sp
 
 from . import slide
-from .equality import is_zero
+from .equality import Forms, is_zero
 from .laws import V_1, A, B, C, a_1, a_2
 from .newton import contact_change
+from .paper import text_of
 from .symbols import NAMED, P_1, P_z, X, Z, k, m, v_1
 from .trace import remembered
 
-Body = dict[sp.Symbol, sp.Expr]
-
-WORDS = tomllib.loads(resources.files(__package__).joinpath("functions.toml").read_text("utf-8"))
+WORDS = tomllib.loads(text_of("functions.toml"))
 
 # Abbreviations of the generated code. N and T are k^2 times what a unit of normal impulse adds to
 # v and takes from u in forward slip, N_back and T_back those in backward slip.
@@ -44,9 +42,9 @@ LETTERS = Letters(NAMED | {letter.name: letter for letter in (K, K_z, A, B, C)})
 
 
 @remembered
-def responses() -> Body:
+def responses() -> Forms:
     """N, T, N_back, T_back in X, Z, k, mu, read off the change of the contact velocity."""
-    found: Body = {}
+    found: Forms = {}
     for along, up, direction in ((T, N, 1), (T_back, N_back, -1)):
         u, v = contact_change(slide.friction(P_z, direction), P_z)
         found |= {up: sp.expand(m * k**2 * v / P_z), along: sp.expand(-m * k**2 * u / P_z)}
@@ -65,27 +63,29 @@ class Rule(NamedTuple):
 
     name: str
     why: str
-    apply: Callable[[Body], Body]
+    apply: Callable[[Forms], Forms]
 
 
 class RewriteError(ArithmeticError):
     """A rewriting rule changed the value of an expression."""
 
 
-def written_out(body: Body, meaning: Body) -> Body:
+def written_out(body: Forms, meaning: Forms) -> Forms:
     """Assignments of a body with earlier ones and all abbreviations substituted."""
-    known: Body = {}
+    known: Forms = {}
     for symbol, expr in body.items():
         known[symbol] = expr.subs(known).subs(meaning)
     return known
 
 
-def operations(body: Body) -> int:
+def operations(body: Forms) -> int:
     """Number of arithmetic operations in a body."""
     return sp.count_ops([*body.values()])
 
 
-def rewrite(derived: Body, rules: tuple[Rule, ...], meaning: Body) -> tuple[Body, dict[str, int]]:
+def rewrite(
+    derived: Forms, rules: tuple[Rule, ...], meaning: Forms
+) -> tuple[Forms, dict[str, int]]:
     """Apply rules in order and prove after each that every output equals its derived form.
 
     Returns the body, and how many operations each rule left.
@@ -123,7 +123,7 @@ class Function:
     name: str
     derived: Callable[[], Mapping[Any, sp.Expr]]
     first: tuple[Rule, ...] = ()
-    meaning: Body = field(default_factory=dict)
+    meaning: Forms = field(default_factory=dict)
     letters: Letters = field(default_factory=lambda: LETTERS)
 
     @property
@@ -137,7 +137,7 @@ class Function:
         return [self.letters[name] for name in self.words["arguments"].split()]
 
     @cached_property
-    def outputs(self) -> Body:
+    def outputs(self) -> Forms:
         """Outputs of the function, as derived, by their letters; impulses per unit mass."""
         return {self.letters[str(x)]: form.subs(m, 1) for x, form in self.derived().items()}
 
@@ -159,6 +159,6 @@ class Function:
         return *self.first, Rule(self.words["rule"], self.words["why"], lambda _: body)
 
     @cached_property
-    def body(self) -> tuple[Body, dict[str, int]]:
+    def body(self) -> tuple[Forms, dict[str, int]]:
         """Rewritten assignments and the history of operation counts."""
         return rewrite(self.outputs, self.rules, self.meaning)

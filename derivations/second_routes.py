@@ -8,10 +8,10 @@ from functools import cache
 
 import sympy as sp
 
-from .equality import Pair
+from .equality import Pair, Triple
 from .symbols import V_z, X, Z, c_x, c_z, epsilon, k, m, mu, omega
 
-State = tuple[sp.Expr, sp.Expr, sp.Expr]  # velocity of the centre of mass, and spin
+State = Triple  # velocity of the centre of mass, and spin
 
 
 def _spin_about_contact(state: State) -> sp.Expr:

@@ -3,7 +3,7 @@
 import sympy as sp
 
 from .axioms import RESTITUTION, SLIP, sigma
-from .equality import Pair
+from .equality import Pair, Triple
 from .newton import approach, contact_change, velocity_change
 from .paper import LETTERS
 from .proof import Equation, Repair
@@ -45,7 +45,7 @@ def by_speeds(form: sp.Expr) -> sp.Expr:
 
 
 @derived("P_x(t_1)", "P_z(t_1)", "v_1")
-def stop() -> tuple[sp.Expr, sp.Expr, sp.Expr]:
+def stop() -> Triple:
     """The impulse at which the slip stops, put into the normal velocity."""
     (p_z,) = solve(slip_velocity(), P_z, "The slip stops at $u = 0$; solved for $P_z$")
     return friction(p_z, 1), p_z, by_speeds(normal_velocity(p_z))
