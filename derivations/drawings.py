@@ -59,10 +59,13 @@ STYLE = {
 }
 MARKERS = {"newton": "o", "poisson": "s", "stronge": "^"}
 RESTITUTION, FRICTION = 0.5, 0.3
-TILT = {phi: sp.pi / 6}  # of the rod that shows the letters
+TILT = sp.pi / 6  # of the rod that shows the letters
 MAP = {u_0: 1, v_0: -2.0, epsilon: 0.65, length: 1}  # the landing of the map of regimes
 EDGES = {"14": "blue", "16": "orange"}  # lines of the map where these entries change sign
 At = dict[sp.Symbol, Any]
+_NEEDLESS = re.compile(  # in a page
+    r'(?s)<!--.*?-->|<metadata>.*?</metadata>| xmlns(:\w+)?="[^"]*"| (width|height)="[\d.]+pt"'
+)
 
 
 class Drawing(NamedTuple):
@@ -78,11 +81,7 @@ class Drawing(NamedTuple):
         with mpl.rc_context(STYLE), StringIO() as file:
             self.draw().savefig(file, format="svg", bbox_inches="tight")
             text = file.getvalue()
-        text = re.sub(
-            r"<!--.*?-->|<metadata>.*?</metadata>", "", text[text.index("<svg") :], flags=re.S
-        )
-        text = re.sub(r' xmlns(:\w+)?="[^"]*"| (width|height)="[\d.]+pt"', "", text)
-        text = text.replace("xlink:href", "href")
+        text = _NEEDLESS.sub("", text[text.index("<svg") :]).replace("xlink:href", "href")
         text = re.sub(r'(id="|href="#|url\(#)', rf"\g<1>{self.name}-", text)
         label = f'<svg role="img" aria-label="{self.title}"'
         return re.sub(r"\n\s*", "\n", text.replace("<svg", label, 1).strip())
@@ -115,21 +114,20 @@ def geometry() -> Figure:
     """
     figure = Figure(figsize=(4.6, 3.6))
     axes = figure.subplots()
-    ((tilt, turn),) = TILT.items()
-    at = TILT | {length: 2}
+    at = {phi: TILT, length: 2}
     place = {letter: _number(THIN[letter], at) * _along(letter) for letter in (X, Z)}
     centre = place[X] + place[Z]
-    axes.plot(*np.array([0 * centre, 2 * centre]).T, color=GREY, lw=9, alpha=0.55)
+    axes.plot(*np.transpose([0 * centre, 2 * centre]), color=GREY, lw=9, alpha=0.55)
     axes.plot(*centre, "o", color="black", ms=5)
     axes.axhline(0, color="black", lw=2)
     axes.axvline(0, ls="--", color=GREY, lw=1)
-    axes.add_patch(Arc((0, 0), 1.1, 1.1, theta1=90 - float(sp.deg(turn)), theta2=90))
-    words: dict[str, Any] = {
-        latex(tilt): 0.66 * np.array([sp.sin(turn / 2), sp.cos(turn / 2)]),
+    axes.add_patch(Arc((0, 0), 1.1, 1.1, theta1=90 - float(sp.deg(TILT)), theta2=90))
+    words = {
+        latex(phi): 0.66 * np.array([sp.sin(TILT / 2), sp.cos(TILT / 2)]),
         latex(length): 2.03 * centre,
     }
     for letter, side in place.items():
-        axes.plot(*np.array([centre - side, centre]).T, ":", color=GREY, lw=1)
+        axes.plot(*np.transpose([centre - side, centre]), ":", color=GREY, lw=1)
         words[latex(letter)] = centre - side / 2
     push, above = 0.4, np.array([0, 0.36])
     arrows: tuple[Any, ...] = (
@@ -161,7 +159,6 @@ def geometry() -> Figure:
 
 # Impacts that are drawn, by regime: tilt in degrees and u_0, with v_0 = -1.
 IMPACTS = {"slide": (30, 2.2), "slip-stick": (12, 1.1), "slip reversal": (45, 0.8)}
-ENDED = {"u": "no slip", "v": "deepest"}  # words for where a contact velocity vanishes
 
 
 def _at(regime: str) -> At:
@@ -198,19 +195,19 @@ def impulses(regime: str) -> Figure:
     top = (2 if regime == "slide" else 1.25) * last[1]
     reach = np.array([0, top])
     du, dv = contact_change(P_x, P_z)
-    for step, line, color, style in (
-        ("slide.slip_velocity", u_0 + du, PINK, "--"),
-        ("slide.normal_velocity", v_0 + dv, GREY, "-."),
+    for step, line, color, style, there in (
+        ("slide.slip_velocity", u_0 + du, PINK, "--", "no slip"),
+        ("slide.normal_velocity", v_0 + dv, GREY, "-.", "deepest"),
     ):
         left = LEFTS[step][0]
         (across,) = sp.solve(line, P_x)
         at = [_number(across, _at(regime) | {P_z: p}) for p in reach]
-        axes.plot(at, reach, style, color=color, lw=1.4, label=f"${left} = 0$: {ENDED[left]}")
+        axes.plot(at, reach, style, color=color, lw=1.4, label=f"${left} = 0$: {there}")
     for direction in (1, -1):
         edge = slide.friction(P_z, direction)
         slope = _number(edge / P_z, {})
         axes.plot(slope * reach, reach, ":", color=BLUE, lw=1.2, label=f"$P_x = {latex(edge)}$")
-    axes.plot(*np.array([(0, 0), corner, last]).T, color="black", lw=2, label="path")
+    axes.plot(*np.transpose([(0, 0), corner, last]), color="black", lw=2, label="path")
     for law, marker in MARKERS.items():
         label = f"end: {law.title()}"
         axes.plot(*ends[law], marker, ms=8, mfc="none", mec=ORANGE, mew=1.8, label=label)
@@ -245,9 +242,9 @@ def regimes() -> Figure:
     axes.contourf(tilt, friction, regime, levels=[-0.5, 0.5, 1.5, 2.5], colors=shades, zorder=0)
     largest, tangent = map(float, thin_rod.largest_reversal_friction())
     axes.plot(np.degrees(np.arctan(tangent)), largest, "o", color=ORANGE)
-    for place in ((20, 0.6), (52, 0.42), (82, 0.2)):
-        nearest = np.hypot(tilt / 90 - place[0] / 90, friction - place[1]).argmin()
-        axes.text(*place, list(IMPACTS)[regime.flat[nearest]], ha="center")
+    for x, y in ((20, 0.6), (52, 0.42), (82, 0.2)):
+        nearest = np.hypot((tilt - x) / 90, friction - y).argmin()
+        axes.text(x, y, list(IMPACTS)[regime.flat[nearest]], ha="center")
     axes.set(
         xlabel=f"${latex(phi)}$ (degrees)", ylabel=f"${latex(mu)}$", xlim=(0, 90), ylim=(0, 1.1)
     )

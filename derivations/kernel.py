@@ -239,7 +239,7 @@ def _wrong_letters(code: str, law: str, at: Situation, path: list[bool]) -> Iter
     """Messages on results that are not as derived, in letters along the path of a situation."""
     early = at[u_0] == 0 or value(slide.stop()[2].subs(m, 1), at) < 0
     known = {letter: sp.S.Zero for letter in at if at[letter] == 0}
-    known |= {SIDE: sp.Integer(at[SIDE])}
+    known[SIDE] = sp.Integer(at[SIDE])
     decisions = iter(path)
     space = loaded(code, _choices(lambda _: next(decisions)) | _ON_LETTERS)
     found = space["impact"](space[law], tuple(form.subs(known) for form in given()))
@@ -300,10 +300,11 @@ def wrong_pairs(code: str) -> Iterator[str]:
     other = [sign * np.ldexp(ones[-size % 8 :: 8], -size) for size in range(13) for sign in (1, -1)]
     a, b = np.meshgrid(ones, np.concatenate(other).astype(np.float16))
     halves = [space["split"](x) for x in (ones, ones[:, None])]
+    total = np.add(a, b, dtype=float)
     with np.errstate(all="ignore"):
         for true, (rounded, error) in (
-            (np.add(a, b, dtype=float), space["two_sum"](a, b)),
-            (np.add(a, b, dtype=float), space["two_sum"](b, a)),
+            (total, space["two_sum"](a, b)),
+            (total, space["two_sum"](b, a)),
             (np.multiply(ones, ones[:, None], dtype=float), space["two_product"](*halves)),
         ):
             if np.any(rounded != true.astype(np.float16)) or np.any(error != true - rounded):

@@ -53,15 +53,16 @@ import textwrap
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
-from importlib import resources
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 from . import files
 from .kernel import CODE, KERNEL, LAWS, functions, loaded
+from .paper import text_of
 
-_TEXTS = tomllib.loads(resources.files(__package__).joinpath("languages.toml").read_text("utf-8"))
-RECORDS: Mapping[str, Mapping[str, str]] = _TEXTS["records"]
-FUNCTIONS: Mapping[str, Mapping[str, str]] = _TEXTS["functions"]
+_TEXTS = tomllib.loads(text_of("languages.toml"))
+Tables: TypeAlias = Mapping[str, Mapping[str, str]]
+RECORDS: Tables = _TEXTS["records"]
+FUNCTIONS: Tables = _TEXTS["functions"]
 REGIMES = {"INVALID": -1, "NO_IMPACT": 0, "SLIDE": 1, "SLIP_STICK": 2, "SLIP_REVERSAL": 3}
 LANGUAGES = {
     "c": "rod_impact.h.jinja",
@@ -123,7 +124,7 @@ def _written(name: str, about: Mapping[str, str]) -> ast.FunctionDef:
     return tree
 
 
-def _called(own: Mapping[str, Mapping[str, str]]) -> dict[str, ast.FunctionDef]:
+def _called(own: Tables) -> dict[str, ast.FunctionDef]:
     """Syntax trees of all functions that may be called; `own` are those of a language."""
     found = {tree.name: tree for tree in functions(KERNEL.read_text("utf-8"))}
     for name, about in (*_TEXTS["called"].items(), *own.items()):
@@ -283,7 +284,7 @@ class _Words(ast.NodeTransformer):
         return ast.unparse(self.visit(deepcopy(value)))
 
 
-def function(language: str, name: str, about: Mapping[str, str], own: Any) -> Function:
+def function(language: str, name: str, about: Mapping[str, str], own: Tables) -> Function:
     """Translate a function of languages.toml.
 
     Parameters
@@ -304,7 +305,12 @@ def function(language: str, name: str, about: Mapping[str, str], own: Any) -> Fu
     ]
     returned = inlined.run(tree, given)
     lines = [
-        Line(of, variable.id, _is_flag(value), words.text(value))
+        Line(
+            of,
+            variable.id,
+            isinstance(getattr(value, "op", value), ast.Compare | ast.BitAnd),
+            words.text(value),
+        )
         for of, variable, value in inlined.needed(returned)
     ]
     return Function(name, about, arguments, lines[::-1], _nested(words.text, returned))
@@ -316,10 +322,6 @@ def numbers_of(name: str, record: str) -> Iterator[str]:
         yield name
     for field in RECORDS.get(record, ()):
         yield from numbers_of(f"{name}.{field}", _RECORD_OF.get(field, ""))
-
-
-def _is_flag(value: ast.expr) -> bool:
-    return isinstance(getattr(value, "op", value), ast.Compare | ast.BitAnd)
 
 
 def _folded(text: str) -> str:
@@ -346,9 +348,10 @@ def source(language: str) -> str:
         raise ValueError(f"language must be one of {', '.join(LANGUAGES)}, got {language!r}")
     files.TEMPLATES.filters["folded"] = _folded
     words = "c" if language == "c" else "javascript"
-    own = _TEXTS["own"][words]
     return files.TEMPLATES.get_template(LANGUAGES[language]).render(
-        functions=[function(words, name, about, own) for name, about in FUNCTIONS.items()],
+        functions=[
+            function(words, name, about, _TEXTS["own"][words]) for name, about in FUNCTIONS.items()
+        ],
         product_error=function(words, "product_error", _TEXTS["product_error"], {}),
         module=language == "module",
         record_of=_RECORD_OF,

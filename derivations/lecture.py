@@ -9,7 +9,6 @@ import html
 import re
 import tomllib
 from collections.abc import Callable, Mapping
-from importlib import resources
 from typing import Any, NamedTuple
 
 import sympy as sp
@@ -43,7 +42,7 @@ class Letter(NamedTuple):
 
 
 _CITED = re.compile(r"\((B?\d{1,2})(?::\s([^)]*))?\)")
-_SOURCE = resources.files(__package__).joinpath("lecture.toml").read_text("utf-8")
+_SOURCE = paper.text_of("lecture.toml")
 TEXTS = tomllib.loads(_CITED.sub(r"(\1)", _SOURCE))
 CITED = [(number, " ".join(name.split())) for number, name in _CITED.findall(_SOURCE)]
 PARTS = {

@@ -7,8 +7,7 @@ the margin; both its printed and its derived form are shown only where they diff
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
-from importlib import resources
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import sympy as sp
@@ -40,15 +39,14 @@ def _named(tag: str) -> str:
     return re.sub(r"^(B?\d+)(?=:|$)", r"(\1)", tag).replace("): ", "), ")
 
 
-def forms(entry: Entry) -> list[tuple[str, Form]]:
+def forms(entry: Entry) -> Iterator[tuple[str, Form]]:
     """Labelled forms of an entry, the printed one first."""
     if not isinstance(entry, Equation):
-        return []
-    found = [(PRINTED if entry.own else TOLD, entry.printed)] if entry.printed is not None else []
+        return
+    if entry.printed is not None:
+        yield PRINTED if entry.own else TOLD, entry.printed
     if entry.printed is None or entry.verdict == "erratum":
-        how = "Assumed" if entry.verdict == "assumed" else "As derived"
-        found.append((how, entry.readable()))
-    return found
+        yield "Assumed" if entry.verdict == "assumed" else "As derived", entry.readable()
 
 
 def _lines_of(entry: Equation, label: str, form: Form) -> list[tuple[str, ...]]:
@@ -67,8 +65,7 @@ def _lines_of(entry: Equation, label: str, form: Form) -> list[tuple[str, ...]]:
 
 
 def _sentence(text: str, links: bool = True) -> Markup:
-    known = _TAGS if links else set()
-    return Markup(to_html(text, lambda tag: f"#{anchor(tag)}" if tag in known else ""))
+    return Markup(to_html(text, lambda tag: f"#{anchor(tag)}" if links and tag in _TAGS else ""))
 
 
 _html = Environment(loader=PackageLoader(__package__), undefined=StrictUndefined, autoescape=True)
@@ -86,7 +83,7 @@ _html.globals |= {
     "lines_of": _lines_of,
     "equation": equation,
 }
-STYLE = resources.files(__package__).joinpath("templates/page.css").read_text("utf-8")
+STYLE = paper.text_of("templates/page.css")
 
 
 def _page(template: str, title: str, about: str, style: str = "", **values: Any) -> str:

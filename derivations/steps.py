@@ -5,13 +5,12 @@ equation, or a line that a derivation says. Each has a sentence, and an equation
 if that is short enough to be read. A step that one entry has shown is cited by the next ones.
 """
 
-import inspect
 from itertools import chain
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import sympy as sp
 
-from . import axioms, trace
+from . import axioms
 from .equality import components
 from .proof import Equation
 from .trace import Step
@@ -28,11 +27,15 @@ _CASES = {
 }
 
 
+# LaTeX, each in pieces that a line may break after.
+Formulas: TypeAlias = tuple[tuple[str, ...], ...]
+
+
 class Line(NamedTuple):
     """One step as it is shown: a sentence, formulas, and tags of entries to link to."""
 
     text: str  # sentence with formulas between dollar signs
-    formulas: tuple[tuple[str, ...], ...] = ()  # LaTeX, each in pieces that a line may break after
+    formulas: Formulas = ()
     tags: tuple[str, ...] = ()  # entries that hold the value
 
 
@@ -40,14 +43,14 @@ def _short(expr: Any) -> bool:
     return isinstance(expr, sp.Expr) and expr.count_ops() <= MOST
 
 
-def _equations(values: list[tuple[str, Any]]) -> tuple[tuple[str, ...], ...]:
+def _equations(values: list[tuple[str, Any]]) -> Formulas:
     """LaTeX of each value with its left side; empty if they are too long to be read."""
     if not all(_short(value) for _, value in values):
         return ()
     return _readable([equation(left, tidy(value)) for left, value in values])
 
 
-def _readable(formulas: list[tuple[str, ...]]) -> tuple[tuple[str, ...], ...]:
+def _readable(formulas: list[tuple[str, ...]]) -> Formulas:
     """Formulas in pieces, as given; empty if they are longer than `LONGEST` together."""
     return tuple(formulas) if sum(map(len, chain(*formulas))) <= LONGEST else ()
 
@@ -78,17 +81,14 @@ def _numerator(form: sp.Expr, unknowns: tuple[sp.Symbol, ...]) -> sp.Expr:
 
 def _put_in(step: Step) -> str:
     """Words for the arguments of a step: its cases, and what is put in for impulses such as P_x."""
-    names = inspect.signature(trace.STEPS[step.name]).parameters
-    told, put_in = [], []
-    for name, value in zip(names, step.given, strict=False):
-        if isinstance(value, str):
-            told.append(_CASES.get(value, value))
-        elif (
-            name.startswith("p_") and str(value).lower() != name and value.count_ops() < MOST // 16
-        ):
-            put_in.append(f"${latex(tidy(value))}$ for ${name[0].upper()}{name[1:]}$")
-    words = f" ({', '.join(told)})" if told else ""
-    return words + (f", with {' and '.join(put_in)}" if put_in else "")
+    _, *cases = step.case
+    words = ", ".join(_CASES.get(case, case) for case in cases)
+    put_in = " and ".join(
+        f"${latex(tidy(value))}$ for ${name[0].upper()}{name[1:]}$"
+        for name, value in step.arguments.items()
+        if name.startswith("p_") and str(value).lower() != name and value.count_ops() < MOST // 16
+    )
+    return (f" ({words})" if words else "") + (f", with {put_in}" if put_in else "")
 
 
 class Reader:

@@ -26,7 +26,7 @@ from .kernel import KERNEL
 from .proof import Equation, told
 from .trace import Step
 
-READ = "0e81d17f60b03dfc"  # digest of all words, when they were last read
+READ = "dd2b33346cd15748"  # digest of all words, when they were last read
 _REMARK = re.compile(r'"""(?s:.*?)"""|#.*')
 _NUMBER = re.compile(r"\((B?\d+)\)")
 _NUMBERED = re.compile(r"(B?\d+)(: (?!text).*)?")
@@ -62,19 +62,17 @@ def _takes(steps: Sequence[Step]) -> Iterator[tuple[Step, Any]]:
     """Axioms and derived steps, each with the place of a value that is taken; None: the whole."""
     for step in steps:
         if step.kind in ("axiom", "derived"):
-            parts = [x.given for x in steps if x.kind == "part" and x.name == step.name]
-            places = [place for *given, place in parts if tuple(given) == step.given]
+            part = "part", step.name, step.given
+            places = [x.given[-1] for x in steps if (x.kind, x.name, x.given[:-1]) == part]
             yield from ((step, place) for place in places or [None])
 
 
-def _holders(entries: Sequence[Equation]) -> list[_Held]:
+def _holders(entries: Sequence[Equation]) -> Iterator[_Held]:
     """Numbered equations, each with its value."""
-    found = []
     for entry in entries:
         number, takes = _NUMBERED.fullmatch(entry.tag), list(_takes(entry.steps))
         if number and takes:
-            found.append(_Held(number[1], *takes[-1]))
-    return found
+            yield _Held(number[1], *takes[-1])
 
 
 def _numbers(steps: Sequence[Step], held: Sequence[_Held], own: bool = False) -> list[str]:
@@ -118,7 +116,7 @@ def wrong_numbers(entries: Sequence[Equation]) -> Iterator[str]:
     for number, name in lecture.CITED:
         if abouts.get(number) != name:
             yield f"({number}) is not {name or 'said'}"
-    held = _holders(entries)
+    held = list(_holders(entries))
     known: set[Any] = set()
     for entry in entries:
         yield from _misnumbered(entry.what + told(entry), _numbers(entry.steps, held))

@@ -41,6 +41,11 @@ class Step(NamedTuple):
         return (STEPS[self.name].__doc__ or "").partition("\n")[0].rstrip(".")
 
     @property
+    def arguments(self) -> dict[str, Any]:
+        """Arguments of a derived step by their names, without those that were left out."""
+        return dict(zip(inspect.signature(STEPS[self.name]).parameters, self.given, strict=False))
+
+    @property
     def case(self) -> tuple[str, ...]:
         """Name of the step, and the cases among its arguments, such as "stick"."""
         return self.name, *(x for x in self.given if isinstance(x, str))
@@ -56,10 +61,10 @@ class Step(NamedTuple):
                 for x, value in self.value.items()
             ]
         listed = self.value if isinstance(self.value, tuple | sp.MatrixBase) else (self.value,)
-        names = inspect.signature(STEPS[self.name]).parameters if self.kind == "derived" else ()
-        put = dict(zip(names, self.given, strict=False))
-        lefts = LEFTS[self.name] if self.kind == "derived" else self.given
-        return [(left % put, value) for left, value in zip(lefts, listed, strict=True)]
+        lefts: Iterable[str] = self.given
+        if self.kind == "derived":
+            lefts = (left % self.arguments for left in LEFTS[self.name])
+        return list(zip(lefts, listed, strict=True))
 
 
 _open: list[list[Step]] = []  # steps of the derivations now being computed, innermost last

@@ -57,10 +57,9 @@ def _contacts() -> Iterator[dict[str, Any]]:
         elif kind == 5:
             at["v_0"] = -at["v_0"]
         n, t = across + at["mu"] * xz, xz + at["mu"] * along
-        if kind == 7 and n * t > 0:  # u_* close to 0
-            at["v_0"] = -at["u_0"] * n / (t * (1 + at["epsilon"])) * aside
-        elif kind in (8, 9) and n * t > 0:  # the slip stops late
-            at["v_0"] = -at["u_0"] * n / (t * (1 + at["epsilon"] / 2))
+        if kind in (7, 8, 9) and n * t > 0:  # u_* close to 0, or the slip stops late
+            divisor, near = (1, aside) if kind == 7 else (2, 1)
+            at["v_0"] = -at["u_0"] * n / (t * (1 + at["epsilon"] / divisor)) * near
         yield at
     # Exact to the last digit: no approach; u_* = 0; v_1 = 0; no slip, and nothing that starts it.
     for u, v, restitution, friction in (
@@ -151,10 +150,10 @@ class Rounded:
     __radd__, __rmul__ = __add__, __mul__
 
     def __eq__(self, other: object) -> bool:
-        return bool(self.value == Rounded.of(other).value)
+        return self.value == Rounded.of(other).value
 
     def __lt__(self, other: Number) -> bool:
-        return bool(self.value < Rounded.of(other).value)
+        return self.value < Rounded.of(other).value
 
     def sqrt(self) -> "Rounded":
         """Square root; nan of a negative number, and of zero if it has roundings."""

@@ -14,10 +14,9 @@ from .symbols import epsilon, mu
 # Letters in the order in which they stand in a product; others come last.
 _SPEEDS = "c_x c_z u_0 u_f v_0 v_1 v_f V_z V_0 P_x P_z P_1 P_2 F_x F_z"
 _LETTERS = (
-    "pi epsilon m M mu I l d gain bounce k omega theta eta A B C a a_1 a_2 q X Z x z h h_0 r j "
-    + _SPEEDS
+    "pi epsilon m M mu I l d gain bounce k omega theta eta A B C a a_1 a_2 q X Z x z h h_0 r j"
 )
-_RANK = {name: rank for rank, name in enumerate(_LETTERS.split())}
+_RANK = {name: rank for rank, name in enumerate(f"{_LETTERS} {_SPEEDS}".split())}
 _MOVING = set(_SPEEDS.split())  # they stand last in a product, and behind a fraction
 _GAIN = sp.Symbol("gain", positive=True)  # 1 + epsilon
 _LONG = 80  # characters of LaTeX; a longer sum may break between its terms
@@ -73,7 +72,7 @@ def tidy(expr: sp.Expr) -> sp.Expr:
 def _factor_key(factor: sp.Expr) -> tuple:
     """Sort key of a factor: numbers, 1 + epsilon, letters, sums, roots and functions, speeds."""
     base = factor.as_base_exp()[0]
-    loss = base.is_Add and {x.name for x in base.free_symbols} == {"epsilon"}
+    loss = base.is_Add and base.free_symbols == {epsilon}
     kinds = (base.is_Number, loss, moving(base), base.is_Symbol, base.is_Add, True)
     kind = (0, 1, 5, 2, 3, 4)[kinds.index(True)]
     return kind, len(base.free_symbols), -isinstance(base, sp.sin), _ranks(base), str(factor)
@@ -129,7 +128,8 @@ class _Printer(LatexPrinter):
         args = [total] if whole else sorted(sp.Add.make_args(total), key=_term_key)
         found = [self._term(arg) for arg in args]
         first = next((i for i, (minus, _) in enumerate(found) if not minus), 0)
-        return [found[first], *found[:first], *found[first + 1 :]]
+        found.insert(0, found.pop(first))
+        return found
 
     @cache  # noqa: B019, of the one printer
     def _term(self, term: sp.Expr) -> tuple[bool, str]:
@@ -158,8 +158,7 @@ class _Printer(LatexPrinter):
     def _print_Add(self, expr: sp.Expr, order: str | None = None) -> str:
         return "".join(pieces_of(self.terms(expr)))
 
-    def _print_Mul(self, expr: sp.Expr) -> str:
-        return "".join(pieces_of([self._term(expr)]))
+    _print_Mul = _print_Add  # a product is a sum of one term
 
     def _print_Symbol(self, expr: sp.Symbol, style: str = "plain") -> str:
         return words(super()._print_Symbol(expr, style))
