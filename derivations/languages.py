@@ -78,9 +78,18 @@ _STEPS = {
     "lacking",
     *(name for name, about in _TEXTS["called"].items() if "twofold" not in about),
 }
-# Nodes of expressions, beside names, tuples and calls.
-_NODES = ast.BinOp, ast.Compare, ast.UnaryOp, ast.Constant
-_OPERATIONS = ast.Add, ast.Sub, ast.Mult, ast.Div, ast.BitAnd, ast.USub, ast.cmpop
+# Operations and nodes of expressions, beside names, tuples and calls.
+_NODES = (
+    ast.Add,
+    ast.Sub,
+    ast.Mult,
+    ast.Div,
+    ast.BitAnd,
+    ast.USub,
+    ast.Constant,
+    ast.Compare,
+    ast.cmpop,
+)
 
 Value = Any  # expression of a number or a flag, or a list of them
 
@@ -169,7 +178,7 @@ class _Inlined(ast.NodeTransformer):
         return self.call(name, given) if name in self.called else _call(name, *given)
 
     def generic_visit(self, node: ast.AST) -> ast.AST:
-        if not isinstance(node, _NODES + _OPERATIONS):
+        if not isinstance(getattr(node, "op", node), _NODES):
             raise ValueError(f"{ast.unparse(node)!r} is not in the language")
         return super().generic_visit(node)
 

@@ -63,7 +63,8 @@ class Step(NamedTuple):
         listed = self.value if isinstance(self.value, tuple | sp.MatrixBase) else (self.value,)
         lefts: Iterable[str] = self.given
         if self.kind == "derived":
-            lefts = (left % self.arguments for left in LEFTS[self.name])
+            put = self.arguments
+            lefts = (left % put for left in LEFTS[self.name])
         return list(zip(lefts, listed, strict=True))
 
 

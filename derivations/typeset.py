@@ -13,10 +13,8 @@ from .symbols import epsilon, mu
 
 # Letters in the order in which they stand in a product; others come last.
 _SPEEDS = "c_x c_z u_0 u_f v_0 v_1 v_f V_z V_0 P_x P_z P_1 P_2 F_x F_z"
-_LETTERS = (
-    "pi epsilon m M mu I l d gain bounce k omega theta eta A B C a a_1 a_2 q X Z x z h h_0 r j"
-)
-_RANK = {name: rank for rank, name in enumerate(f"{_LETTERS} {_SPEEDS}".split())}
+_STILL = "pi epsilon m M mu I l d gain bounce k omega theta eta A B C a a_1 a_2 q X Z x z h h_0 r j"
+_RANK = {name: rank for rank, name in enumerate(f"{_STILL} {_SPEEDS}".split())}
 _MOVING = set(_SPEEDS.split())  # they stand last in a product, and behind a fraction
 _GAIN = sp.Symbol("gain", positive=True)  # 1 + epsilon
 _LONG = 80  # characters of LaTeX; a longer sum may break between its terms
