@@ -3,6 +3,7 @@
 import json
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import cache
 
 import pytest
 import sympy as sp
@@ -38,11 +39,13 @@ EQUATIONS = [entry for entry in registry.ENTRIES if isinstance(entry, Equation)]
 each_entry = pytest.mark.parametrize("entry", registry.ENTRIES, ids=lambda entry: entry.tag)
 each_equation = pytest.mark.parametrize("entry", EQUATIONS, ids=lambda entry: entry.tag)
 ERRATA = {entry.tag for entry in registry.mistakes() if isinstance(entry, Equation)}
+proved = cache(registry.proved)  # each proof is made once, for the report's tests as well
 
 
 @each_entry
 def test_every_verdict_is_proved(entry):
-    assert entry.prove().ok
+    row = proved(registry.ENTRIES.index(entry))
+    assert row.proved or (row.verdict == "noted" and entry.prove().ok)
 
 
 def test_everything_of_the_paper_is_judged_once():
