@@ -20,7 +20,7 @@ from figures.paper import fig04
 from impact import drift
 from md.scene import SCENES
 
-from .command_line import python
+from .command_line import ROOT, python
 
 SCENE = """
 rods = { count = 5, length = 5, inertia = "solid" }
@@ -41,13 +41,15 @@ def test_each_figure_takes_what_the_list_says():
 
 
 def test_a_figure_is_drawn_from_values_of_ones_own(tmp_path, monkeypatch):
-    """It is not taken for the paper's afterwards; each figure takes what it knows.
+    """The README's command, in small: each figure takes what it knows, and is not the paper's.
 
     In processes that need no window, whatever the environment says.
     """
     monkeypatch.setenv("MPLBACKEND", "module://nowhere")
-    command = "figures draw fig10 fig11 --friction 0.2 --restitution 0.5 --quick --jobs 2"
-    assert python("-m", *command.split(), "--out", tmp_path).returncode == 0
+    command = "-m figures draw fig10 fig11 --friction 0.2 --restitution 0.5"
+    assert f"python {command}  " in (ROOT / "README.md").read_text("utf-8")
+    small = "--quick", "--jobs", "2", "--out", tmp_path
+    assert python(*command.split(), *small).returncode == 0
     ten, eleven = (kept_data(name, tmp_path) for name in ("fig10", "fig11"))
     assert (ten["restitution"], ten["marked"]) == (0.5, 0.2)
     assert (eleven["restitution"], eleven["friction"]) == (0.5, 0.2)
