@@ -17,7 +17,7 @@ from md.cache import digest
 TOGETHER = {  # files that one process works through, as they share what it has computed
     "derivations": "derivations generated kernel lookup mutants report",
     "figures": "figures_checks figures_claims figures_paper figures_theory own_rods",
-    "flights": "bouncing documentation flight",
+    "flights": "bouncing documentation figures_cost flight",
     "rods": "annulus contacts energy guards neighbours resume runs touches",
 }
 

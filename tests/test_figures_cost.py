@@ -292,30 +292,25 @@ def test_a_price_is_of_one_call_of_many(monkeypatch):
 # The page of prices
 
 
-@pytest.fixture
-def small():
-    """Figures whose data are there; the rest of the command in small sizes."""
-    with tiny() as patch:
-        for name in PRICED:
-            patch.setattr(figures.load(name), "data", Mock(return_value=data(name)))
-        yield
+def test_the_command_writes_the_page_and_the_figures(tmp_path):
+    """Numbers are those of the figures, and what one impact costs, in time and in digits.
 
-
-def test_what_was_measured_in_full_is_not_measured_quickly_again(small, tmp_path):
+    What was measured in full is not measured again quickly. The figures' data are there; the rest
+    of the command runs in small sizes.
+    """
     first, *others = PRICED
     full = data(first) | {"load": np.float64(1e4)}
     keep(tmp_path / f"{first}.npz", first, False, full)
     kept = (tmp_path / f"{first}.npz").read_bytes()
-    assert main(["prices", "--out", str(tmp_path)]) == 0
+    with tiny() as patch:
+        for name in PRICED:
+            patch.setattr(figures.load(name), "data", Mock(return_value=data(name)))
+        assert main(["prices", "--out", str(tmp_path)]) == 0
     assert (tmp_path / f"{first}.npz").read_bytes() == kept
     assert all(made(tmp_path / f"{name}.npz")["quick"] for name in others)
     assert "load 10000.0" in (tmp_path / "prices.json").read_text(encoding="utf-8")
-
-
-def test_the_command_writes_the_page_and_the_figures(small, tmp_path):
-    """Numbers are those of the figures, and what one impact costs, in time and in digits."""
-    assert main(["prices", "--out", str(tmp_path)]) == 0
-    names = {f"{name}.{kind}" for name in PRICED for kind in ("npz", "png", "pdf")}
+    names = {f"{name}.{kind}" for name in others for kind in ("npz", "png", "pdf")}
+    names |= {f"{first}.npz"}
     names |= {f"prices.{kind}" for kind in ("txt", "json", "png")}
     assert names_in(tmp_path) == names
     words = (tmp_path / "prices.txt").read_text(encoding="utf-8")
