@@ -25,7 +25,7 @@ from md.kernels.codes import C_Z, COSINE, ROW_COLUMNS, SINE, Z
 from md.laws import Rod
 from md.scene import from_tables, put
 
-from .quick_figures import MOST_PERIODS, check_figure, data, each_of, tiny
+from .quick_figures import MOST_PERIODS, check_figure, data, each_of, tiny, watched_engine
 from .rows import HALF
 
 BEFORE, AFTER = (slice(first, first + 3) for first in (touches.BEFORE, touches.AFTER))
@@ -336,6 +336,7 @@ def test_a_start_is_still_there_until_it_first_leaves_its_state():
 def test_a_row_follows_its_box(ends, monkeypatch):
     monkeypatch.setattr(row_motion, "ENDS_DEG", ends)
     scene = from_tables(put(runs.ROW, {"box.length": runs.boxes(ends)[0]}))
+    monkeypatch.setattr(row_motion, "prepare", watched_engine)
     tilt = row_motion.driven(scene, 60)["tilt_deg"]
     assert_allclose(tilt, np.linspace(*ends, 13)[1::2], atol=1)
 
