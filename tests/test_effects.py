@@ -19,7 +19,7 @@ from md.kernels.march import Watchers
 from md.kernels.state import Wall
 from md.kernels.vectors import IN_PLANE, IN_SPACE
 
-from .rows import AT_REST, LOSSY, ROLLING, ROUGH, SOFT, in_plane, ring, row, started
+from .rows import AT_REST, LOSSY, ROLLING, SOFT, SPACE, in_plane, ring, row, started
 from .track import effects, swinging
 
 # The text of a compiled kernel: what it takes and what it looks at
@@ -121,16 +121,7 @@ SHAKEN = REST | {"plate": AT_REST, "friction": CONSTRAINT}
 WALLS = {"up": IN_SPACE, **REST, **TOUCHING} | {
     name: Wall(radius, RIGID, None) for name, radius in (("inner", 5.0), ("outer", 1e3))
 }
-ROUGH_WALLS = WALLS | {
-    "inner": WALLS["inner"]._replace(friction=ROUGH),
-    "between": ContactForces(LOSSY.normal, ROUGH),
-    "friction": CONSTRAINT,
-    "gravity": 0.0,
-    "rolling": 15.0,
-    "watched": True,
-    "shaken": True,
-    "plate": AT_REST,
-}
+ROUGH_WALLS = SPACE._asdict() | {"watched": True}  # as in other tests: parts of it are compiled
 # Effects: what is there with them, without them; each as an argument of `march`, with an
 # instruction that only it needs; and rods that none of them touches.
 EFFECTS = {
@@ -186,13 +177,18 @@ EFFECTS = {
         {"effects.inner": "wall_forces", "effects.outer": "", "effects.between": "joined_ends"},
         [3],
     ),
-    "friction, rolling, gravity and shaking in space": (
+    "rolling on the plate": (
+        REST | {"up": IN_SPACE, "rolling": 15.0, "friction": CONSTRAINT},
+        {"up": IN_SPACE},
+        {"effects.rolling": "", "effects.normal": "", "effects.friction": ""},
+        ALOFT,
+    ),
+    "friction, gravity and shaking in space": (
         ROUGH_WALLS,
         WALLS,
         {
             "effects.inner.friction": "",
             "effects.friction": "",
-            "effects.rolling": "",
             "effects.gravity": "",
             "effects.between.friction": "",
             "state.springs": "",
