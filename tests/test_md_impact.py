@@ -49,13 +49,6 @@ def against_theory(
     return sqrt(np.mean(np.square(errors))), wrong
 
 
-def meets_the_theory(*given, **how):
-    """Bound errors by 4e-4: at k_n = 1e9 contacts are 5e-4 d deep, and arms change by as much."""
-    error, wrong = against_theory(*given, **how)
-    assert error <= 4e-4
-    assert not wrong
-
-
 # Against the theory, without gravity
 
 APPROACHES = [  # c_x, c_z, omega: slip of both signs, fast, slow and none to speak of, with a spin
@@ -69,13 +62,6 @@ APPROACHES = [  # c_x, c_z, omega: slip of both signs, fast, slow and none to sp
 ]
 
 
-@pytest.mark.parametrize("velocity", APPROACHES)
-@pytest.mark.parametrize(("friction", "rod"), [(0.3, ROD), (0.4, ROD), (0.4, FLAT)])
-def test_rigid_limit(friction, rod, velocity):
-    """It holds for flat ends on either side of 7.1 degrees, where the centre passes the edge."""
-    meets_the_theory(velocity, friction=friction, rod=rod)
-
-
 def step(per_contact):
     return md.laws.contact_time(md.coulomb(stiffness=STIFF), 1.0) / per_contact
 
@@ -83,6 +69,9 @@ def step(per_contact):
 @pytest.mark.parametrize(
     "how",
     [
+        # flat ends on either side of 7.1 degrees, where the centre passes the edge
+        *({"velocity": v, "rod": rod} for v in APPROACHES for rod in (ROD, FLAT)),
+        *({"velocity": v, "friction": 0.3} for v in APPROACHES),
         {"integrator": "verlet", "dt": step(100)},
         {"integrator": "gear", "dt": step(800)},  # its derivatives know nothing of jumps
         {"integrator": "dop853", "tilts": TILTS[::4]},
@@ -99,10 +88,13 @@ def step(per_contact):
         {"restitution": 0.0},
         {"restitution": 1.0},
     ],
-    ids=lambda how: " ".join(map(str, how.values()))[:30],
+    ids=lambda how: " ".join(map(str, how.values()))[:60],
 )
-def test_extremes_and_every_integrator_meet_the_theory(how):
-    meets_the_theory(**{"velocity": (0.5, -1.0, 0.0)} | how)
+def test_every_impact_meets_the_theory(how):
+    """The error is 4e-4: at k_n = 1e9 contacts are 5e-4 d deep, and arms change by as much."""
+    error, wrong = against_theory(**{"velocity": (0.5, -1.0, 0.0)} | how)
+    assert error <= 4e-4
+    assert not wrong
 
 
 @pytest.mark.parametrize(
