@@ -13,7 +13,7 @@ paper, theory, checks, cost         rooms: one module for each of `FIGURES`, and
 lib                                 style, runs of rows and annuli, soft impacts, printing, files
 claims                              the paper's claims, the numbers behind them, the verdicts
 pages                               one page of everything, README, animation, window of sliders
-__main__, rods                      the commands; those of all packages under one name
+__main__                            the commands
 
 A module of a figure has `data(quick)`, which computes arrays by name, and `draw(data)`; perhaps
 `sweeps(quick)`, the runs it needs. Only `__main__` writes files: what
