@@ -11,9 +11,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..cache import kernel
-from .contact import Inertia, Meeting, contact, losses, total
+from .contact import Inertia, Meeting, contact, losses
 from .state import Kept, keep, kept_of
-from .vectors import add, dot, times, torque
+from .vectors import add, along, dot, spread, times, torque
 
 SIZE = 64  # contacts; fixed, so that the compiler knows how far apart numbers lie
 MOST = SIZE - 8  # contacts collected at most before the next pair or rod is looked at
@@ -200,7 +200,8 @@ def act_on(alike, ledger, numbers, c, dt):
     found = contact(law.normal, law.friction, inertia, meeting, dt)
     note_losses(ledger, law.normal, numbers, c, meeting, found, dt)
     fill_kept(numbers, c, Kept(found.normal, found.rub, found.spring))
-    force = times(get(numbers, SHARE, c), total(found, meeting.out))
+    push = along(spread(found.rub, meeting.out), found.normal, meeting.out)
+    force = times(get(numbers, SHARE, c), push)
     fill_all(numbers, FORCE, c, force)
     fill_torques(numbers, c, bodies, force)
 

@@ -419,16 +419,13 @@ def friction_force(friction, inertia, meeting, slip, force, dt):
 
 
 @kernel
-def moved_by(friction, inertia, meeting, rub):
-    """Acceleration of the contact by its friction force; zero without friction."""
+def moved_by(friction, inertia, bodies, out, rub):
+    """Acceleration of the contact by its friction force; zero without friction.
+
+    In the plane it follows from that by a unit force.
+    """
     if friction is None:
-        return nothing(meeting.out)
-    return moved_across(inertia, meeting.bodies, meeting.out, rub)
-
-
-@kernel
-def moved_across(inertia, bodies, out, rub):
-    """Acceleration of the contact by a friction force; in the plane from that by a unit force."""
+        return nothing(out)
     if len(out) == 2:
         return times(rub[0], moved(inertia, bodies, spread((1.0,), out)))
     return moved(inertia, bodies, rub)
@@ -449,25 +446,19 @@ def at_step(explicit, now, half, gain, dt):
 @kernel
 def contact(normal, friction, inertia, meeting, dt):
     """Compute the `Force` of a `Meeting`: first F_n, with the last F_t, then F_t under this F_n."""
-    n, overlap = meeting.out, meeting.overlap
+    n, overlap, bodies = meeting.out, meeting.overlap, meeting.bodies
     velocity, implicit = at_step(meeting.explicit, meeting.now, meeting.half, meeting.gain, dt)
-    push = moved(inertia, meeting.bodies, n)  # acceleration of the contact by a unit normal force
+    push = moved(inertia, bodies, n)  # acceleration of the contact by a unit normal force
     light, closing = dot(push, n), dot(meeting.half, n)
     free = dot(velocity, n) - implicit * light * meeting.pressed
     force = normal_force(normal, overlap, closing, free, light, implicit, dt)
     change = times(force - meeting.pressed, push)
-    change = along(change, -1.0, moved_by(friction, inertia, meeting, meeting.rubbed))
+    change = along(change, -1.0, moved_by(friction, inertia, bodies, n, meeting.rubbed))
     velocity, drive = along(velocity, implicit, change), along(meeting.gain, 1.0, change)
     slip = Slip(velocity, drive, touching(overlap, closing, dt), implicit)
     rub, spring = friction_force(friction, inertia, meeting, slip, force, dt)
-    now = along(velocity, implicit, moved_by(friction, inertia, meeting, rub))
+    now = along(velocity, implicit, moved_by(friction, inertia, bodies, n, rub))
     return Force(force, rub, spring, dot(now, n), across(now, n))
-
-
-@kernel
-def total(found, out):
-    """Force vector on the first body, of F_n along `out` and F_t across it."""
-    return along(spread(found.rub, out), found.normal, out)
 
 
 @kernel

@@ -40,7 +40,6 @@ from .pairs import NEARER, nearer, pair_forces, rise, seen_through
 from .plate import Moving, plate_at, plate_before, plate_forces
 from .state import (
     Clock,
-    dimensions,
     director_of,
     field,
     forget,
@@ -145,7 +144,7 @@ def on_plate(normal, effects, state, watchers, i, plate, clock):
             forget(up, forces, springs, i, PLATE_CAPS + cap)
         cleared(watchers.record, effects, rods, i, plate, clock.step)
         return False
-    velocity, turn, dims = velocity_of(up, rods, i), turn_of(up, rods, i), dimensions(up)
+    velocity, turn, dims = velocity_of(up, rods, i), turn_of(up, rods, i), len(up)
     others = vector(total, i, 0, up), axial(total, i, dims, up)
     lower_slot, upper_slot = PLATE_CAPS, PLATE_CAPS + 1
     kept = kept_of(up, forces, springs, i, lower_slot), kept_of(up, forces, springs, i, upper_slot)
@@ -169,7 +168,7 @@ def on_plate(normal, effects, state, watchers, i, plate, clock):
 def kicked(effects, rods, before, i, dt):
     """Velocity and turn of rod i half a step on; `before`: accelerations of this step."""
     up = effects.up
-    gain, bend = vector(before, i, 0, up), axial(before, i, dimensions(up), up)
+    gain, bend = vector(before, i, 0, up), axial(before, i, len(up), up)
     c, w = along(velocity_of(up, rods, i), dt, gain), along(turn_of(up, rods, i), dt, bend)
     return c, free_turn(effects.rolling, w, director_of(up, rods, i))
 
@@ -191,7 +190,7 @@ def fastest_rod(effects, rods, before, speed, dt):
 @kernel
 def move(effects, rods, before, i, dt):
     """Kick and drift rod i by one step."""
-    up, dims = effects.up, dimensions(effects.up)
+    up, dims = effects.up, len(effects.up)
     c, w = kicked(effects, rods, before, i, dt)
     put(rods, i, 0, along(place_of(up, rods, i), dt, c))
     put(rods, i, dims, rotated(director_of(up, rods, i), w, dt))
@@ -214,7 +213,7 @@ def march(effects, state, watchers, clock, steps):
     The place is the number of a rod, or of an entry of the list of pairs.
     """
     rods, before, total, ledger = state.rods, state.before, state.scratch.total, watchers.ledger
-    up, dims, inertia, dt = effects.up, dimensions(effects.up), inertia_of(effects), clock.dt
+    up, dims, inertia, dt = effects.up, len(effects.up), inertia_of(effects), clock.dt
     for n in range(steps):
         now = Clock(clock.step + n, dt)
         if full(watchers.record):

@@ -24,7 +24,7 @@ from ..cache import kernel
 from .codes import DEEP, SKIN
 from .vectors import along, dot, vector
 
-CHORD = 0.4142  # less than sqrt(2) - 1
+CHORD = 0.4142  # < sqrt(2) - 1: of the square root between 1 and 2, so a bound from below
 
 
 class Near(NamedTuple):
@@ -104,12 +104,6 @@ def clearance(apart, a, b, half):
         return off - half * abs(a[0] * b[1] - a[1] * b[0]) - 1.0
     near, inside, _ = between_ends(apart, a, b, half)
     return sqrt(near.square) - 1.0 if inside else -1.0
-
-
-@kernel
-def open_at_least(square):
-    """Lower bound of a distance beyond 1, given its square >= 1: a chord of the square root."""
-    return CHORD * (min(square, 2.0) - 1.0)
 
 
 PAIR = 5  # column of the pair in `Listed.asleep`, after the four ends and the contact between them

@@ -36,13 +36,13 @@ from .batch import MOST, TWO, Alike, Given, acted, enter
 from .codes import CROSSING, DEEP, DONE, FULL_LIST, PAIR_FRICTION, PAIR_NORMAL, PAIR_TOO_DEEP
 from .contact import elastic_energy
 from .neighbours import (
+    CHORD,
     PAIR,
     at_end,
     between_ends,
     clearance,
     gap_vector,
     near_end,
-    open_at_least,
     outdated,
     renewed,
 )
@@ -379,7 +379,7 @@ def pair_forces(between, effects, state, ledger, dt):
             near = near_end(pair.apart, pair.a, pair.b, half, end)
             if near.square >= 1.0:
                 opened(effects.up, listed, k, end)
-                asleep[k, end] = travelled + 0.5 * open_at_least(near.square)
+                asleep[k, end] = travelled + 0.5 * CHORD * (min(near.square, 2.0) - 1.0)
                 until = min(until, asleep[k, end])
                 continue
             if near.square < (1 - DEEP) ** 2:

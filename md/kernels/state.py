@@ -93,12 +93,6 @@ class Clock(NamedTuple):
 
 
 @kernel
-def dimensions(up):
-    """Number of components of a vector: 2 in the plane, 3 in space."""
-    return 2 if len(up) == 2 else 3
-
-
-@kernel
 def place_of(up, rods, i):
     """Centre of rod i, d."""
     return vector(rods, i, 0, up)
@@ -107,19 +101,19 @@ def place_of(up, rods, i):
 @kernel
 def director_of(up, rods, i):
     """Unit vector along the axis of rod i."""
-    return vector(rods, i, dimensions(up), up)
+    return vector(rods, i, len(up), up)
 
 
 @kernel
 def velocity_of(up, rods, i):
     """Velocity of rod i half a step before, sqrt(g d)."""
-    return vector(rods, i, 2 * dimensions(up), up)
+    return vector(rods, i, 2 * len(up), up)
 
 
 @kernel
 def turn_of(up, rods, i):
     """Turn w of rod i half a step before, sqrt(g/d)."""
-    return axial(rods, i, 3 * dimensions(up), up)
+    return axial(rods, i, 3 * len(up), up)
 
 
 @kernel
