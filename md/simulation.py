@@ -115,6 +115,10 @@ class Run:
             writable("checkpoint", self.checkpoint)
             if self.checkpoint.exists():
                 saved = _read(self.checkpoint, scene)
+        self.trajectory: Trajectory | None = None
+        if path is not None:
+            before = saved[0]["trajectory"] if saved else None
+            self.trajectory = Trajectory(path, scene, frames, before)
         self.observe = observe
         self.lost: dict[str, str] = {}  # why a file is not whole
         self.engine = engine = prepare(scene, ledger=ledger)
@@ -135,10 +139,6 @@ class Run:
         self.energy = engine.energy() if engine.ledger is not None else 0.0  # at the start
         if saved is not None:
             self._restore(*saved, periods)
-        self.trajectory: Trajectory | None = None
-        if path is not None:
-            before = saved[0]["trajectory"] if saved else None
-            self.trajectory = Trajectory(path, scene, frames, before)
         self.bar.update(self.made)
 
     def __enter__(self) -> "Run":

@@ -9,6 +9,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from math import acos, atan2, cos, degrees, hypot, sin
 from pathlib import Path
+from typing import BinaryIO
 
 import numpy as np
 
@@ -42,7 +43,7 @@ def checked(path: str | Path) -> Path:
 
 
 class Trajectory:
-    """Open file of frames of a run.
+    """File of frames of a run; it is opened for the first frame.
 
     Parameters
     ----------
@@ -63,7 +64,8 @@ class Trajectory:
         self, path: Path, scene: Scene, per_period: int, before: tuple[str, int] | None = None
     ):
         self.path, self.scene, self.per_period = path, scene, per_period
-        self.kept: int | None = 0  # bytes, until the first frame follows them
+        self.kept = 0  # bytes that the first frame follows
+        self.file: BinaryIO | None = None
         if before is not None and not empty(path):
             name, self.kept = before
             if name != str(path) or path.stat().st_size < self.kept:
@@ -71,14 +73,11 @@ class Trajectory:
                     f"trajectory {str(path)!r} does not hold the frames before the checkpoint: "
                     "name a new file, or remove the checkpoint to start again"
                 )
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.touch()
-        self.file = path.open("r+b")
 
     @property
     def place(self) -> tuple[str, int]:
         """Path of the file, and where its frames end, in bytes."""
-        return str(self.path), self.file.tell() if self.kept is None else self.kept
+        return str(self.path), self.file.tell() if self.file else self.kept
 
     def write(self, rods: np.ndarray, time: float, height: float) -> None:
         """Append a frame.
@@ -94,9 +93,11 @@ class Trajectory:
         orientation as a quaternion x, y, z, w that turns the z axis into the rod's; radius, radius
         and length of the cylinder between the caps; velocity; angular velocity; tilt in degrees.
         """
-        if self.kept is not None:
+        if self.file is None:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            self.path.touch()
+            self.file = self.path.open("r+b")
             self.file.truncate(self.file.seek(self.kept))
-            self.kept = None
         lines = [_head(self.scene, time, height)]
         for i, (place, turn, velocity, omega, tilt) in enumerate(_in_space(rods)):
             numbers = [*turn, 0.5, 0.5, self.scene.rods.length - 1, *velocity, *omega, tilt]
@@ -105,12 +106,14 @@ class Trajectory:
 
     def flush(self) -> None:
         """Hand all frames to the operating system."""
-        self.file.flush()
+        if self.file is not None:
+            self.file.flush()
 
     def close(self) -> None:
         """Close the file; a full disk raises nothing here."""
-        with suppress(OSError):
-            self.file.close()
+        if self.file is not None:
+            with suppress(OSError):
+                self.file.close()
 
 
 def _text(numbers: Iterable[float]) -> str:

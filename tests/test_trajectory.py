@@ -83,20 +83,18 @@ def test_a_file_of_another_kind_is_refused_before_anything_is_compiled(tmp_path,
     assert path.read_text() == "[rods]"
 
 
-def test_frames_go_on_or_the_run_does_not(tmp_path):
+def test_frames_go_on_or_the_run_does_not(tmp_path, monkeypatch):
     """After a hole, or those of another run, or fewer than the checkpoint has seen."""
     path, kept, new = tmp_path / "a.xyz", tmp_path / "a.npz", tmp_path / "b.xyz"
     md.run(row(), periods=2, trajectory=path, checkpoint=kept)
     whole = path.read_text()
     md.run(row("rods.count=3"), periods=3, trajectory=new)
-    path.write_text(whole[:-1])
-    for file in (new, path):
-        before = file.read_text()
+    (later := tmp_path / "later.npz").write_bytes(kept.read_bytes())
+    md.run(row(), periods=3, checkpoint=later)
+    monkeypatch.setattr(simulation, "prepare", pytest.fail)
+    cases = (new, new.read_text(), kept), (path, whole[:-1], kept), (path, whole, later)
+    for file, text, checkpoint in cases:
+        file.write_text(text)
         with pytest.raises(md.InputError, match="frames before the checkpoint: name a new file"):
-            md.run(row(), periods=3, trajectory=file, checkpoint=kept)
-        assert file.read_text() == before
-    path.write_text(whole)
-    md.run(row(), periods=3, checkpoint=kept)
-    with pytest.raises(md.InputError, match="frames before the checkpoint: name a new file"):
-        md.run(row(), periods=4, trajectory=path, checkpoint=kept)
-    assert path.read_text() == whole
+            md.run(row(), periods=4, trajectory=file, checkpoint=checkpoint)
+        assert file.read_text() == text
