@@ -23,6 +23,9 @@ A module of a figure has `data(quick)`, which computes arrays by name, and `draw
 To add a figure: write its module in a room, and its line in figures.toml.
 """
 
+from impact import InputError  # first, for its `early_signals`
+
+# isort: split
 import tomllib
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -30,8 +33,6 @@ from difflib import get_close_matches
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
-
-from impact import InputError
 
 __all__ = ["FIGURES", "Entry", "check", "load"]
 

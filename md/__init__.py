@@ -59,13 +59,16 @@ simulation, trajectory, files       a run: periods, checkpoints, frames, files
 accuracy                            `run`: step and length from a tolerance
 sweep, store                        many runs and their results; what a store's columns are
 search                              parameters from measured results, by many runs
-interrupt                           signals during compiled code
+early_signals, interrupt            signals during imports, and during compiled code
 cache                               stored compiled kernels; what decides whether a run is stale
 command_line, __main__              the commands
 
 To add a contact law: `md.laws`. To add an effect: `md.kernels`.
 """
 
+from . import early_signals  # noqa: F401  (before slow imports)
+
+# isort: split
 from importlib import import_module
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any

@@ -11,12 +11,7 @@ from typing import Any, NoReturn
 
 import click
 
-
-def handle(handler: Callable[..., object] | signal.Handlers) -> None:
-    """Handle both signals, unless they are ignored from the start, as under nohup."""
-    for number in (signal.SIGINT, signal.SIGTERM):
-        if signal.getsignal(number) != signal.SIG_IGN:
-            signal.signal(number, handler)
+from .early_signals import handle
 
 
 class Commands(click.Group):

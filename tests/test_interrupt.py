@@ -3,7 +3,9 @@
 import inspect
 import os
 import signal
+import subprocess
 import sys
+import time
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from functools import partial
@@ -58,8 +60,9 @@ def test_all_packages_do_the_same():
     assert inspect.getsource(_interrupt.deferred) == inspect.getsource(interrupt.deferred)
     for name in ("plain", "replacing"):
         assert inspect.getsource(getattr(files, name)) == inspect.getsource(getattr(md.files, name))
-    packages = ("derivations", "impact", "md")
-    assert len({(ROOT / package / "command_line.py").read_bytes() for package in packages}) == 1
+    for name in ("command_line", "early_signals"):
+        packages = ("derivations", "impact", "md")
+        assert len({(ROOT / package / f"{name}.py").read_bytes() for package in packages}) == 1
 
 
 def test_handlers_run_at_the_end_of_the_outermost():
@@ -260,6 +263,40 @@ def test_without_the_compiler(command, code, tmp_path):
 
 
 # Any time
+
+
+BEGUN = {
+    "md": "sweep drift --store a.db",
+    "impact": "benchmark",
+    "figures": "claims --quick",
+    "derivations": "check",
+}
+
+
+@pytest.mark.parametrize(
+    ("package", "number"), [*zip(BEGUN, 2 * interrupt.SIGNALS[:2], strict=True)]
+)
+def test_a_signal_during_the_imports_costs_one_line(package, number, tmp_path):
+    """It does from the first module of the package on, whatever is being imported."""
+    command = [sys.executable, "-X", "importtime", "-m", package, *BEGUN[package].split()]
+    for seconds in (0.0, 0.2):
+        with subprocess.Popen(
+            command,
+            stderr=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+            text=True,
+            cwd=tmp_path,
+            env=os.environ | {"PYTHONPATH": str(ROOT)},
+        ) as process:
+            while "early_signals" not in process.stderr.readline():
+                assert process.poll() is None
+            time.sleep(seconds)
+            process.send_signal(number)
+            lines = [x for x in process.stderr if not x.startswith("import time:")]
+        assert process.returncode == 130
+        (line,) = lines
+        assert line.startswith(f"python -m {package}")
+        assert "interrupted" in line
 
 
 LONG = {
