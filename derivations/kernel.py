@@ -119,7 +119,7 @@ def functions(code: str) -> list[ast.FunctionDef]:
     return [node for node in _tree(code).body if isinstance(node, ast.FunctionDef)]
 
 
-def _choices(decide: Callable[[Any], bool]) -> Values:
+def choices(decide: Callable[[Any], bool]) -> Values:
     """Primitives that choose one of two numbers, by what `decide` says of a condition."""
     return {
         "select": lambda condition, a, b: a if decide(condition) else b,
@@ -130,18 +130,23 @@ def _choices(decide: Callable[[Any], bool]) -> Values:
     }
 
 
+def whole_sums(sqrt: Callable[[Any], Any], zero: Any) -> Values:
+    """Primitives for numbers or letters whose sums and products have no second part."""
+    return {
+        "split": lambda a: a,
+        "sqrt": sqrt,
+        "two_sum": lambda a, b: (a + b, zero),
+        "two_product": lambda a, b: (a * b, zero),
+    }
+
+
 _ON_NUMBERS = {
     "split": lambda a: a,
     "sqrt": Rounded.sqrt,
     "two_sum": lambda a, b: Rounded.of(a).plus(b).parted(),
     "two_product": lambda a, b: Rounded.of(a).times(b).parted(),
 }
-_ON_LETTERS = {
-    "split": lambda a: a,
-    "sqrt": sp.sqrt,
-    "two_sum": lambda a, b: (a + b, sp.S.Zero),
-    "two_product": lambda a, b: (a * b, sp.S.Zero),
-}
+_ON_LETTERS = whole_sums(sp.sqrt, sp.S.Zero)
 
 
 def on_numbers(code: str, law: str, at: Situation) -> tuple[Any, list[bool], dict[str, Values]]:
@@ -157,7 +162,7 @@ def on_numbers(code: str, law: str, at: Situation) -> tuple[Any, list[bool], dic
         if event == "return" and frame.f_code.co_filename == "kernel":
             found[frame.f_code.co_name] = dict(frame.f_locals)
 
-    space = loaded(code, _choices(decide) | _ON_NUMBERS)
+    space = loaded(code, choices(decide) | _ON_NUMBERS)
     start = tuple(Rounded(value(form, at)) for form in given())
     sys.setprofile(note)
     try:
@@ -241,7 +246,7 @@ def _wrong_letters(code: str, law: str, at: Situation, path: list[bool]) -> Iter
     known = {letter: sp.S.Zero for letter in at if at[letter] == 0}
     known[SIDE] = sp.Integer(at[SIDE])
     decisions = iter(path)
-    space = loaded(code, _choices(lambda _: next(decisions)) | _ON_LETTERS)
+    space = loaded(code, choices(lambda _: next(decisions)) | _ON_LETTERS)
     found = space["impact"](space[law], tuple(form.subs(known) for form in given()))
     derived = _returned(law, history(at), "early" if early else "late")
     for name, form, meant in zip(_RETURNED, found, derived, strict=True):

@@ -134,5 +134,8 @@ def test_rods_that_lean_the_other_way_drift_the_other_way():
     found = {}
     for tilt in (35, -35):
         result = md.run(ring("plate.acceleration=5", f"start.tilt_deg={tilt}"), periods=40)
+        x, y, _, *a = result.rods[:, :VELOCITY].T
+        along = np.sign(a[2]) * (x * a[1] - y * a[0]) / np.hypot(x, y)
+        assert np.sign(np.arctan2(along, np.abs(a[2])).mean()) == np.sign(tilt)
         found[tilt] = result.c_x
     assert found[35] > 0 > found[-35]

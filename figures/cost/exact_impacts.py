@@ -26,21 +26,9 @@ FIELDS = ("c_x", "c_z", "P_x", "P_z", "omega")
 @cache
 def _map() -> dict[str, Any]:
     """Functions of `impact._kernel` for numbers of many digits, whose sums need no second part."""
-    from derivations.kernel import KERNEL, loaded
+    from derivations.kernel import KERNEL, choices, loaded, whole_sums
 
-    return loaded(
-        KERNEL.read_text(encoding="utf-8"),
-        {
-            "select": lambda condition, a, b: a if condition else b,
-            "larger": max,
-            "smaller": min,
-            "copysign": lambda size, sign: -size if sign < 0 else size,
-            "sqrt": mpmath.sqrt,
-            "split": lambda a: a,
-            "two_sum": lambda a, b: (a + b, 0),
-            "two_product": lambda a, b: (a * b, 0),
-        },
-    )
+    return loaded(KERNEL.read_text("utf-8"), choices(bool) | whole_sums(mpmath.sqrt, 0))
 
 
 def exact(row: Any, law: str = "newton") -> tuple[Regime, tuple]:
