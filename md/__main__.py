@@ -14,7 +14,6 @@ import click
 from . import accuracy, soft_impact
 from .command_line import Commands
 from .domains import InputError
-from .files import NotWritten
 from .laws import LAWS, Law, Rod
 from .result import finite, result_json
 from .scene import keys, load
@@ -302,22 +301,18 @@ def run(
     which is "reached", "not reached" or "not settled".
     """  # noqa: E501  (an example)
     chosen = _given(given, *given)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", NotWritten)  # said after the result
-        result = accuracy.run(
-            load(scene, changes),
-            trajectory=trajectory,
-            checkpoint=checkpoint,
-            measure_bias=measure_bias,
-            progress=not as_json,
-            **chosen,
-        )
+    result = accuracy.run(
+        load(scene, changes),
+        trajectory=trajectory,
+        checkpoint=checkpoint,
+        measure_bias=measure_bias,
+        progress=not as_json,
+        **chosen,
+    )
     if as_json:
         print(_dumps(result_json(result)))
     else:
         print(result)
-    if result.unwritten:
-        raise OSError("; ".join(result.unwritten))
     if not result.finished:
         return 130
     return 0 if result.accuracy is None or result.accuracy.state == "reached" else 4

@@ -14,10 +14,6 @@ from .domains import InputError
 _KINDS = {"b": "device", "c": "device", "d": "folder", "p": "FIFO", "s": "socket"}
 
 
-class NotWritten(RuntimeWarning):
-    """Warning that an output file is incomplete; the result itself is complete."""
-
-
 def warn(message: str) -> None:
     """Warn in one line, without a place in the source code."""
     warnings.warn_explicit(message, RuntimeWarning, "md", 0)
@@ -111,6 +107,15 @@ def writable(
         ) from None
     if not fits:
         raise InputError(f"{name} must be a new file or {what}, got {str(path)!r}")
+
+
+@contextmanager
+def naming(path: Path) -> Iterator[None]:
+    """Name the file in an error that does not: a disk that is full tells no name."""
+    try:
+        yield
+    except OSError as error:
+        raise OSError(f"{path}: {error.strerror or error}") from None
 
 
 @contextmanager

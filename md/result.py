@@ -92,7 +92,6 @@ class Result:
         period by period, transient included
     rods : x, z, sin and cos of the tilt at the end; c_x, c_z, omega half a step before
     finished : False if the run was interrupted
-    unwritten : output files that are incomplete, and why; empty if all is written
     accuracy : of c_x; None without a tolerance
     """
 
@@ -118,7 +117,6 @@ class Result:
     fell_series: np.ndarray
     rods: np.ndarray
     finished: bool
-    unwritten: tuple[str, ...]
     accuracy: Accuracy | None = None
 
     def __repr__(self) -> str:

@@ -19,7 +19,7 @@ from tqdm import tqdm as plain_bar
 
 from .cache import code
 from .domains import InputError, whole
-from .files import NotWritten, distinct, replacing, warn, writable
+from .files import distinct, naming, replacing, writable
 from .host import prepare, step_of
 from .interrupt import SIGNALS
 from .measures import Tables, transient
@@ -84,11 +84,7 @@ def _read(path: Path, scene: Scene) -> tuple[dict, dict[str, np.ndarray]]:
 
 
 class Run:
-    """A run in progress with its files; a file that can no longer be written does not end it.
-
-    The arguments are those of `run`. Where the trajectory ends early, the checkpoint stays behind,
-    so that a resumed run fills it.
-    """
+    """A run in progress with its files; the arguments are those of `run`."""
 
     def __init__(
         self,
@@ -120,7 +116,6 @@ class Run:
             before = saved[0]["trajectory"] if saved else None
             self.trajectory = Trajectory(path, scene, frames, before)
         self.observe = observe
-        self.lost: dict[str, str] = {}  # why a file is not whole
         self.engine = engine = prepare(scene, ledger=ledger)
         self.tables = Tables(engine, periods)
         self.bar = progress_bar(  # None: on a terminal and in a notebook
@@ -170,42 +165,23 @@ class Run:
         self.engine.restore(arrays, about["step"])
         self.seconds, self.energy = about["seconds"], about["energy"]
 
-    @contextmanager
-    def _noting_failure(self, name: str, path: Path, quiet: bool = False) -> Iterator[None]:
-        """Catch an error of the file system and note which file is not written, and why."""
-        try:
-            yield
-        except OSError as error:
-            why = f"{name} {path}: {error.strerror or error}"
-            if name not in self.lost and not quiet:
-                warn(f"cannot write {why}; the run goes on")
-            self.lost[name] = why
-
-    def _frame(self, trajectory: Trajectory) -> None:
-        """Append a frame to the trajectory."""
-        engine, time = self.engine, self.engine.step / self.engine.per
-        if "trajectory" not in self.lost:
-            with self._noting_failure("trajectory", trajectory.path):
-                trajectory.write(engine.rods, time, engine.plate_height)
-
-    def save(self, last: bool = False) -> None:
+    def save(self) -> None:
         """Write the frames, and then a checkpoint, to the disk."""
         if self.trajectory is not None:
-            with self._noting_failure("trajectory", self.trajectory.path, last):
+            with naming(self.trajectory.path):
                 self.trajectory.flush()
         if self.checkpoint is None:
-            return
-        if "trajectory" in self.lost:
-            self.lost["checkpoint"] = f"checkpoint {self.checkpoint}: behind, as the trajectory is"
             return
         about: dict[str, Any] = {"step": self.engine.step, "energy": self.energy}
         about |= {"seconds": self.seconds, **_names(self.engine.scene)}
         about["trajectory"] = self.trajectory.place if self.trajectory is not None else ("", 0)
         arrays: dict[str, Any] = self.tables.arrays(self.made) | self.engine.arrays()
-        with self._noting_failure("checkpoint", self.checkpoint, last):
-            with replacing(self.checkpoint) as part, part.open("wb") as file:
-                np.savez(file, about=json.dumps(about), **arrays)
-            self.lost.pop("checkpoint", None)
+        with (
+            naming(self.checkpoint),
+            replacing(self.checkpoint) as part,
+            part.open("wb") as file,
+        ):
+            np.savez(file, about=json.dumps(about), **arrays)
 
     def march(self, periods: int, stop: Callable[[], bool]) -> None:
         """March until so many periods are made, or `stop` says so, call by call of the kernel."""
@@ -216,7 +192,9 @@ class Run:
                 frames = trajectory.per_period
                 number, since = divmod(engine.step * frames, engine.per)
                 if since < frames:  # the first step at or behind `number` parts of the period
-                    self._frame(trajectory)
+                    time = engine.step / engine.per
+                    with naming(trajectory.path):
+                        trajectory.write(engine.rods, time, engine.plate_height)
                 steps = min(steps, -(-(number + 1) * engine.per // frames) - engine.step)
             begin, before = perf_counter(), self.made
             engine.go(steps, self.tables.series)
@@ -248,9 +226,7 @@ class Run:
 
     def result(self, finished: bool) -> Result:
         """`Result` of the periods made; checkpoint and trajectory are written up to its end."""
-        self.save(last=True)
-        if lost := self.lost.values():
-            warnings.warn(f"not written: {'; '.join(lost)}", NotWritten, stacklevel=3)
+        self.save()
         engine, tables, periods = self.engine, self.tables, self.made
         c_x, tilt, cut = tables.drift(periods), tables.tilt_deg(periods), transient(periods)
         return Result(
@@ -272,7 +248,6 @@ class Run:
             fell_series=tables.fell(periods),
             rods=engine.rods.copy(),
             finished=finished,
-            unwritten=tuple(self.lost.values()),
         )
 
 
@@ -294,8 +269,7 @@ def run(scene: Scene, *, periods: int = 200, **options: Any) -> Result:
         it and gives bit for bit the numbers of a run that never stopped
     progress : whether to show a progress bar, on a terminal, after two seconds (default False)
 
-    Ctrl-C ends the run: the result has `finished` False and covers the whole periods made. A file
-    that takes no more, on a full disk, does not: it is told by a warning, and in `unwritten`.
+    Ctrl-C ends the run: the result has `finished` False and covers the whole periods made.
 
     Raises
     ------
@@ -305,6 +279,8 @@ def run(scene: Scene, *, periods: int = 200, **options: Any) -> Result:
         far. No file is changed.
     RunError
         If a state stops being finite, or a contact is deeper than d/2.
+    OSError
+        If a file takes no more, as on a full disk; the last checkpoint stays.
     """
     with Run(scene, periods, **options) as running, interruptible() as pressed:
         running.march(periods, pressed)

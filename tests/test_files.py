@@ -1,15 +1,13 @@
-"""A full disk ends no run."""
+"""A full disk ends a run in one line; what was saved before stays and goes on."""
 
 import errno
-import json
 import os
 from unittest.mock import Mock
 
 import pytest
 
 import md
-from md import files, trajectory
-from md import simulation as runner
+from md import simulation, trajectory
 from md.__main__ import main
 
 from .rows import ROW, row, sets
@@ -18,37 +16,30 @@ SCENE = ["step.size=3e-4", "plate.acceleration=5"]
 FULL = Mock(side_effect=OSError(errno.ENOSPC, os.strerror(errno.ENOSPC)))  # a disk
 
 
-def test_a_result_is_given_before_the_checkpoint_that_failed(tmp_path, monkeypatch, capsys):
-    """The command gives it, then one line and an exit code; the function warns."""
-    monkeypatch.setattr(runner.np, "savez", FULL)
-    command = ["run", "quasi2d", *sets(*ROW, *SCENE), "--periods", "2", "--json", "--checkpoint"]
-    assert main([*command, str(tmp_path / "w.npz")]) == 2
-    printed = capsys.readouterr()
-    assert json.loads(printed.out)["periods"] == 2
-    assert printed.err == (
-        f"python -m md run: cannot write: checkpoint {tmp_path}/w.npz: No space left on device\n"
-    )
-    with pytest.warns(files.NotWritten, match=r"w.npz: No space left"):
-        result = md.run(row(*SCENE), periods=2, checkpoint=tmp_path / "w.npz")
-    assert result.finished
-    assert result.periods == 2
-    (why,) = result.unwritten
-    assert why.startswith("checkpoint ")
-    assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize("what", ["write", "flush"])
-def test_a_trajectory_cut_off_by_a_full_disk_is_filled_later(tmp_path, monkeypatch, what):
-    """The run ends well; its checkpoint stays where the trajectory is whole."""
-    how = {"checkpoint": tmp_path / "w.npz", "trajectory": tmp_path / "a.xyz", "frames": 6}
-    md.run(row(*SCENE), periods=2, **how)
+@pytest.mark.parametrize(
+    ("where", "what", "file"),
+    [
+        (simulation.np, "savez", "w.npz"),
+        (trajectory.Trajectory, "write", "a.xyz"),
+        (trajectory.Trajectory, "flush", "a.xyz"),
+    ],
+)
+def test_a_run_that_a_full_disk_has_ended_goes_on(tmp_path, monkeypatch, capsys, where, what, file):
+    """The command names the file; the checkpoint before holds, and the frames are filled in."""
+    command = ["run", "quasi2d", *sets(*ROW, *SCENE), "--frames", "6"]
+    command += ["--checkpoint", str(tmp_path / "w.npz"), "--trajectory"]
+    assert main([*command, str(tmp_path / "a.xyz"), "--periods", "2"]) == 0
+    saved = (tmp_path / "w.npz").read_bytes()
+    longer = [str(tmp_path / "a.xyz"), "--periods", "3"]
     with monkeypatch.context() as patch:
-        patch.setattr(trajectory.Trajectory, what, FULL)
-        with pytest.warns(RuntimeWarning, match="No space left") as told:
-            result = md.run(row(*SCENE), periods=3, **how)
-    assert result.finished
-    assert len(result.unwritten) == 2
-    assert any(isinstance(one.message, files.NotWritten) for one in told)
-    once = md.run(row(*SCENE), periods=3, trajectory=tmp_path / "once.xyz", frames=6)
-    assert result.c_x == once.c_x == md.run(row(*SCENE), periods=3, **how).c_x
+        patch.setattr(where, what, FULL)
+        assert main([*command, *longer]) == 2
+    said = f"python -m md run: cannot write: {tmp_path}/{file}: No space left on device\n"
+    assert capsys.readouterr().err == said
+    assert (tmp_path / "w.npz").read_bytes() == saved
+    assert main([*command, *longer]) == 0
+    how = {"trajectory": tmp_path / "once.xyz", "frames": 6}
+    once = md.run(row(*SCENE), periods=3, **how)
+    assert f"c_x = {once.c_x:.4g} sqrt(g d)" in capsys.readouterr().out
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.xyz", "once.xyz", "w.npz"]
     assert (tmp_path / "a.xyz").read_text() == (tmp_path / "once.xyz").read_text()

@@ -126,7 +126,7 @@ def test_what_is_measured_and_chosen_has_a_unit_and_a_name(changes):
     """
     rows, scene = [], md.load("annulus" if "rods.count=9" in changes else "my_rods", changes)
     result = md.run(scene, periods=3, observe=rows.append)
-    apart = {"scene", "versions", "scene_digest", "finished", "unwritten", "settled"}
+    apart = {"scene", "versions", "scene_digest", "finished", "settled"}
     results = {key for key in _flat(result.as_dict()) if key.partition(".")[0] not in apart}
     columns = [md.records.touches(rows, result), md.records.landings(rows, result)]
     touches, landings = map(md.records.to_xarray, columns)
