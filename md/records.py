@@ -1,18 +1,20 @@
-"""Every touch of the plate by the rods of a run, and every landing, as structured arrays.
+"""Every touch of the plate by the rods of a run, and every landing, as `xarray.Dataset`.
 
-A run hands its touches to `observe` as they end; kept in a list they become one array:
+A run hands its touches to `observe` as they end; kept in a list they become one table:
 
 >>> import md
 >>> rows = []
 >>> result = md.run(md.load("my_rods"), periods=20, observe=rows.append)
 >>> touches = md.records.touches(rows, result)
->>> touches.dtype.names[:4]
-('rod', 'time', 'phase', 'cap')
->>> stuck = touches[touches["regime"] == "slip-stick"]["c_x_after"]  # in sqrt(g d)
+>>> list(touches)[:4]
+['rod', 'time', 'phase', 'cap']
+>>> stuck = touches.c_x_after[touches.regime == "slip-stick"]
+>>> stuck.units
+'sqrt(g d)'
 >>> landings = md.records.landings(rows, result)
->>> len(landings) < len(touches)
+>>> landings.sizes["landing"] < touches.sizes["touch"]
 True
->>> table = md.records.to_xarray(touches).to_dataframe()  # units are in `attrs` of the arrays
+>>> table = touches.to_dataframe()  # of pandas
 
 =============================  ===================================================================
 column                         what it is
@@ -47,7 +49,7 @@ direction around the annulus itself. Velocities and spin are their parts in that
 """
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -60,7 +62,7 @@ from .units import labelled
 if TYPE_CHECKING:
     from xarray import Dataset
 
-__all__ = ["landings", "to_xarray", "touches"]
+__all__ = ["landings", "touches"]
 
 _BOTH = {  # columns of `kernels.touches` by their names here
     "rod": columns.ROD,
@@ -83,13 +85,13 @@ _TOUCH = _BOTH | {
     "max_overlap": columns.DEEPEST,
 }
 _LANDING = _BOTH | {"touches": columns.WIDTH}
-_TYPES = {"rod": np.int64, "cap": np.int8, "touches": np.int64, "regime": "U13"}
+_TYPES: dict[str, Any] = {"rod": np.int64, "cap": np.int8, "touches": np.int64, "regime": "U13"}
 _IN_STEPS = "time", "flight", "duration"
 _NONE = np.empty((0, columns.WIDTH))
 
 
-def touches(rows: Sequence[np.ndarray], result: Result) -> np.ndarray:
-    """Touches of a run as a structured array, in the order of their ends.
+def touches(rows: Sequence[np.ndarray], result: Result) -> "Dataset":
+    """Touches of a run, in the order of their ends.
 
     Parameters
     ----------
@@ -98,13 +100,14 @@ def touches(rows: Sequence[np.ndarray], result: Result) -> np.ndarray:
 
     Returns
     -------
-    Array of the columns that `md.records` names, from the start of the run on:
-    `touches[touches["time"] >= result.discarded]` are those behind the transient.
+    The columns that `md.records` names along "touch", from the start of the run on, with
+    `long_name` and, but for pure numbers, `units` in their `attrs`:
+    `touches.sel(touch=touches.time >= result.discarded)` are those behind the transient.
     """
-    return _structured(np.concatenate([_NONE, *rows]), _TOUCH, result)
+    return _table("touch", np.concatenate([_NONE, *rows]), _TOUCH, result)
 
 
-def landings(rows: Sequence[np.ndarray], result: Result) -> np.ndarray:
+def landings(rows: Sequence[np.ndarray], result: Result) -> "Dataset":
     """Landings of a run: touches less than `measures.HOP` periods apart, merged.
 
     The last landing of each rod, which may go on, is left out.
@@ -115,39 +118,24 @@ def landings(rows: Sequence[np.ndarray], result: Result) -> np.ndarray:
 
     Returns
     -------
-    Array of the columns that `md.records` names.
+    The columns that `md.records` names along "landing", as of `touches`.
     """
     all_rows = np.concatenate([_NONE, *rows])
     counted = np.column_stack([all_rows, np.ones(len(all_rows))])
     over, _ = merged(counted, HOP * result.steps_per_period)
-    return _structured(over, _LANDING, result)
+    return _table("landing", over, _LANDING, result)
 
 
-def to_xarray(found: np.ndarray) -> "Dataset":
-    """Touches or landings as `xarray.Dataset`; `.to_dataframe()` makes a table.
-
-    Parameters
-    ----------
-    found : as `touches` or `landings` gives them
-
-    Returns
-    -------
-    Dataset of the same columns along "touch" or "landing", with `long_name` and, but for pure
-    numbers, `units` in their `attrs`.
-    """
-    names = found.dtype.names or ()
-    along = "landing" if "touches" in names else "touch"
-    return labelled({name: (along, found[name]) for name in names})
-
-
-def _structured(rows: np.ndarray, names: dict[str, int], result: Result) -> np.ndarray:
-    """Structured array of rows: columns by their names, times in periods."""
-    found = np.empty(len(rows), [(name, _TYPES.get(name, np.float64)) for name in names])
+def _table(along: str, rows: np.ndarray, names: dict[str, int], result: Result) -> "Dataset":
+    """Columns of rows by their names, times in periods."""
+    found = {}
     for name, column in names.items():
-        values = rows[:, column]
+        values: Any = rows[:, column]
         if name in _IN_STEPS:
             values = values / result.steps_per_period
         elif name == "phase":
             values = phase_at(values / result.steps_per_period)
-        found[name] = [REGIMES[code] for code in values] if name == "regime" else values
-    return found
+        elif name == "regime":
+            values = [REGIMES[code] for code in values]
+        found[name] = along, np.array(values, _TYPES.get(name, np.float64))
+    return labelled(found)

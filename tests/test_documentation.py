@@ -150,7 +150,7 @@ def told(result: md.Result, sweep: md.sweep.Sweep, bounced: Bouncing) -> None:
     assert_type(result.c_x_cm_s, float)
     assert_type(result.to_xarray(), Dataset)
     assert_type(sweep.to_xarray("a.db", "c_x"), Dataset)
-    assert_type(md.records.to_xarray(md.records.touches([], result)), Dataset)
+    assert_type(md.records.touches([], result), Dataset)
 
 
 impact.collide(0.1, -0.2, geometry=rods, frictio=0.3, restitution=0.65)  # type: ignore

@@ -128,12 +128,11 @@ def test_what_is_measured_and_chosen_has_a_unit_and_a_name(changes):
     result = md.run(scene, periods=3, observe=rows.append)
     apart = {"scene", "versions", "scene_digest", "finished", "settled"}
     results = {key for key in _flat(result.as_dict()) if key.partition(".")[0] not in apart}
-    columns = [md.records.touches(rows, result), md.records.landings(rows, result)]
-    touches, landings = map(md.records.to_xarray, columns)
+    touches, landings = md.records.touches(rows, result), md.records.landings(rows, result)
     assert (*touches.dims, *landings.dims) == ("touch", "landing")
     assert "units" not in landings.touches.attrs
     assert touches.c_x_before.attrs["units"] == "sqrt(g d)"
-    names = results.union({"phases"}, *(found.dtype.names for found in columns))
+    names = results.union({"phases"}, touches, landings)
     names |= {key.rpartition(": ")[2].partition(" (")[0] for key, _ in keys()}
     found = labelled(dict.fromkeys(names, ((), 0.0)))
     assert len(found) == len(names) > 80
