@@ -1,7 +1,7 @@
 """Compiled kernels kept, and what decides whether anything that was kept is stale.
 
 A run in a store is found by its `key`, of the scene, the length and the sources; a checkpoint is
-of the same scene and the same `code`; compiled kernels lie in a folder named after
+of the same scene and the same `digest`; compiled kernels lie in a folder named after
 `digest_of_kernels`; data of figures carry `code_of` the files of `md` (`figures.lib.data`).
 
 A `digest` is taken of syntax trees without docstrings, comments, annotations and the text of
@@ -15,7 +15,6 @@ of any file with kernels, or of what these use, compiles all of them again.
 import ast
 import fcntl
 import hashlib
-import math
 import multiprocessing
 import os
 import shutil
@@ -32,8 +31,7 @@ from numba.core.caching import NullCache
 from .files import warn
 from .interrupt import deferred
 
-RUN, WITH_TOLERANCE = "simulation", "accuracy"  # modules where a run begins
-OF_ANNULUS = ("kernels.walls", "placement")  # a row does not use them
+RUN = "accuracy"  # module where a run begins
 # Imported by a run, without a part in its numbers.
 APART = {"cache", "files", "interrupt", "trajectory"}
 _LEFT_OUT = {"annotation", "ctx", "kind", "returns", "type_comment", "type_params"}
@@ -69,20 +67,18 @@ def _named(module: str, source: bytes) -> set[str]:
 
 
 @cache
-def used(*roots: str, annulus: bool = True) -> tuple[str, ...]:
+def used(*roots: str) -> tuple[str, ...]:
     """Modules that `roots` need, themselves included, but for those of `APART`.
 
     Parameters
     ----------
     roots : names of modules, as "simulation" or "kernels.contact"
-    annulus : False leaves out what only an annulus needs
     """
     found: set[str] = set()
     todo = set(roots)
     while todo:
         module = todo.pop()
-        apart = module in APART or (not annulus and module.startswith(OF_ANNULUS))
-        if module not in found and not apart:
+        if module not in found | APART:
             found.add(module)
             todo |= imported(module)
     return tuple(sorted(found))
@@ -124,29 +120,18 @@ def code_of(source: bytes) -> str:
 
 
 @cache
-def digest(*, annulus: bool = False, tolerance: bool = False) -> str:
-    """Twelve hexadecimal digits that stand for the sources which decide what a run gives.
-
-    Parameters
-    ----------
-    annulus : whether the scene is in an annulus
-    tolerance : whether step and length follow from a tolerance
-    """
+def digest() -> str:
+    """Twelve hexadecimal digits that stand for the sources which decide what a run gives."""
     content = hashlib.sha256()
-    for module in used(WITH_TOLERANCE if tolerance else RUN, annulus=annulus):
+    for module in used(RUN):
         content.update(f"{module}\0{code_of(SOURCES[module])}\0".encode())
     return content.hexdigest()[:12]
-
-
-def code(scene: Any, *, tolerance: bool = False) -> str:
-    """Digest of the sources that decide what a run of the scene gives."""
-    return digest(annulus=scene.annulus is not None, tolerance=tolerance)
 
 
 def key(scene: Any, length: dict[str, Any], measure: Any = None) -> str:
     """Key of a run in a store, which holds no other one for it.
 
-    Digest of the scene, the length, the sources (`code`) and the measure: a stored run is stale,
+    Digest of the scene, the length, the sources (`digest`) and the measure: a stored run is stale,
     and computed again, where one of these has changed.
 
     Parameters
@@ -155,7 +140,7 @@ def key(scene: Any, length: dict[str, Any], measure: Any = None) -> str:
     length : arguments of `md.run` that say how long it is
     measure : `sweep.Measure`; None: the results of `md.run`
     """
-    said = f"{scene.contents} {length} {code(scene, tolerance='tolerance' in length)} "
+    said = f"{scene.contents} {length} {digest()} "
     if measure is not None:
         said += f"{measure.function.__qualname__} {measure.code}"
     return hashlib.sha256(said.encode()).hexdigest()[:24]
@@ -228,8 +213,6 @@ def kernel(
     if function is None:
         return partial(kernel, inline=inline, entry=entry)
     if numba.config.DISABLE_JIT:
-        if "sqrt" in function.__globals__:
-            function.__globals__["sqrt"] = _root
         return function
     if entry:
         return _kept(function)
@@ -239,11 +222,6 @@ def kernel(
     part._insert = lambda *_: None  # what has no entry cannot be called, and crashes
     part._compile_for_args = lambda *_, **__: called()
     return part
-
-
-def _root(x: float) -> float:
-    """Square root as compiled code has it: Python's own raises for a negative number."""
-    return math.sqrt(x) if x >= 0.0 else math.nan
 
 
 def _kept(function: Callable) -> Any:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numba
 import numpy as np
 
-from .cache import code
+from .cache import digest
 from .domains import in_notebook
 from .measures import FEWEST, TREND, UNLIKELY, steady, trend, wedged_periods
 from .scene import Scene, as_dict
@@ -166,7 +166,7 @@ class Result:
         contact = self.scene.contacts.plate or self.scene.contacts.rods
         skip = ("scene", "phases", "c_x_series", "tilt_series", "fell_series", "rods", "accuracy")
         plain = {key: value for key, value in vars(self).items() if key not in skip}
-        versions = {"md": code(self.scene), "numpy": np.__version__, "numba": numba.__version__}
+        versions = {"md": digest(), "numpy": np.__version__, "numba": numba.__version__}
         return finite(
             {
                 **plain,

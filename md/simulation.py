@@ -17,7 +17,7 @@ import numpy as np
 from tqdm import TqdmWarning
 from tqdm import tqdm as plain_bar
 
-from .cache import code
+from .cache import digest
 from .domains import InputError, whole
 from .files import distinct, naming, replacing, writable
 from .host import prepare, step_of
@@ -61,7 +61,7 @@ def interruptible() -> Iterator[Callable[[], bool]]:
 
 def _names(scene: Scene) -> dict[str, str]:
     """Digests of sources and scene, by which a checkpoint knows its run."""
-    return {"code": code(scene), "scene": scene.digest()}
+    return {"code": digest(), "scene": scene.digest()}
 
 
 def _read(path: Path, scene: Scene) -> tuple[dict, dict[str, np.ndarray]]:

@@ -120,11 +120,6 @@ class Point:
     measure: Measure | None = None
 
     @property
-    def code(self) -> str:
-        """Digest of the sources that decide what the run gives."""
-        return cache.code(self.scene, tolerance=self.tolerance is not None)
-
-    @property
     def length(self) -> dict[str, Any]:
         """Arguments of `md.run` that say how long the run is."""
         if self.tolerance is None:
@@ -459,7 +454,7 @@ def execute(
                         "scene": as_dict(point.scene),
                         "periods": (result or {}).get("periods", point.periods),
                         "seed": point.scene.start.seed,
-                        "code": point.code,
+                        "code": cache.digest(),
                         "seconds": seconds,
                     }
                     database.put(key, about, result, error)

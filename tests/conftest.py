@@ -68,6 +68,6 @@ def pytest_terminal_summary(terminalreporter, exitstatus, config):
     lines = [
         *("# The longer studies", "", "Written by `make slow` when all of them pass.", ""),
         f"{time.strftime('%Y-%m-%d', time.gmtime())}: {passed} passed, {skipped} skipped;"
-        f" sources md {digest(annulus=True, tolerance=True)}, impact {DIGEST}.",
+        f" sources md {digest()}, impact {DIGEST}.",
     ]
     Path(path).write_text("\n".join(lines) + "\n", "utf-8")

@@ -122,7 +122,7 @@ def judge(quick: bool = False, progress: bool = False, out: Path | None = None) 
         if claim["figure"] in ASSUMED:
             found["assumed"] = _told(_judged(claim, simple))
         judged.append(found)
-    made = machine() | {"system": platform.system(), "md": digest(annulus=True, tolerance=True)}
+    made = machine() | {"system": platform.system(), "md": digest()}
     made |= {"impact": DIGEST, "quick": quick}
     return {"provenance": made, "any_rods": any_rods.told(surveyed), "claims": judged}
 
