@@ -11,7 +11,12 @@ from typing import Any, NoReturn
 
 import click
 
-from .early_signals import handle
+
+def handle(handler: Callable[..., Any] | signal.Handlers) -> None:
+    """Handle Ctrl-C and SIGTERM, unless they are ignored from the start, as under nohup."""
+    for number in (signal.SIGINT, signal.SIGTERM):
+        if signal.getsignal(number) != signal.SIG_IGN:
+            signal.signal(number, handler)
 
 
 class Commands(click.Group):
