@@ -94,16 +94,16 @@ def writable(
         If the path does not lead to a plain file, or the file is of another kind or cannot be
         written.
     """
-    path = Path(path)
     try:
+        path = Path(path)
         there = next(folder for folder in plain(path).parents if folder.exists())
         with tempfile.TemporaryFile(dir=there), path.open("a") if path.exists() else nullcontext():
             pass
         fits = kind is None or empty(path) or kind(path)
-    except OSError as error:
+    except (OSError, TypeError) as error:
+        why = getattr(error, "strerror", None) or error
         raise InputError(
-            f"{name} must be a file that can be written, got {str(path)!r}: "
-            f"{error.strerror or error}"
+            f"{name} must be a file that can be written, got {str(path)!r}: {why}"
         ) from None
     if not fits:
         raise InputError(f"{name} must be a new file or {what}, got {str(path)!r}")

@@ -106,9 +106,10 @@ class Run:
             raise InputError("frames has no meaning without trajectory")
         frames = whole("frames", 1 if frames is None else frames, 1, step_of(scene)[1])
         distinct(trajectory=trajectory, checkpoint=checkpoint)
-        saved, self.checkpoint = None, None if checkpoint is None else Path(checkpoint)
-        if self.checkpoint is not None:
-            writable("checkpoint", self.checkpoint)
+        saved, self.checkpoint = None, None
+        if checkpoint is not None:
+            writable("checkpoint", checkpoint)
+            self.checkpoint = Path(checkpoint)
             if self.checkpoint.exists():
                 saved = _read(self.checkpoint, scene)
         self.trajectory: Trajectory | None = None
