@@ -3,6 +3,7 @@
 import re
 from html import unescape
 from html.parser import HTMLParser
+from itertools import pairwise
 
 from derivations.lecture import to_html
 
@@ -68,5 +69,4 @@ def stands_alone(source, page, *, scripts=False):
     assert not re.search(r"https?:|url\((?!#)|@import|<[^>]*\son\w+=", source)
     assert len(page.ids) == len(set(page.ids))
     assert page.headings[0] == page.headings.count(1) == 1
-    pairs = zip(page.headings, page.headings[1:], strict=False)
-    assert all(after <= before + 1 for before, after in pairs)
+    assert all(after <= before + 1 for before, after in pairwise(page.headings))

@@ -48,10 +48,10 @@ def critical_tilts(friction):
     return np.arccos(cosine) / 2, np.nan
 
 
-def drift(geometry, *, friction, restitution, plate_velocity=1.0):
-    """Eqs. (24) and (27) as printed."""
+def drift(geometry, *, friction, restitution):
+    """Eqs. (24) and (27) as printed, over the plate's velocity."""
     X, Z, k = geometry
     e, below = restitution, k**2 * (1 - restitution) + 2 * X**2
-    stick = 2 * (1 + e) * X * Z * plate_velocity / below
-    back = (1 + e) * (friction * (k**2 + Z**2) + X * Z) * plate_velocity / below
+    stick = 2 * (1 + e) * X * Z / below
+    back = (1 + e) * (friction * (k**2 + Z**2) + X * Z) / below
     return (np.where(friction * (k**2 + Z**2) > X * Z, stick, back),)

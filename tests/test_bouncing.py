@@ -91,13 +91,12 @@ def test_landings_follow_from_one_another(tilt_deg, gamma, restitution):
 
     before, after = (Landings(*(x[:, part] for x in run)) for part in (np.s_[:-1], np.s_[1:]))
     rests = after.rest > 0
-    moves = [
-        slide_to_lift(speed, phase, gamma, 0.3) if rest else (0.0, speed, 0.0)
-        for speed, phase, rest in zip(
-            *map(np.ravel, (gamma * before.c_x_after, before.phase, rests)), strict=True
-        )
-    ]
-    wait, c_x, slid = np.transpose(moves).reshape(3, *rests.shape)
+
+    @np.vectorize
+    def until_lift(speed, phase, rest):
+        return slide_to_lift(speed, phase, gamma, 0.3) if rest else (0.0, speed, 0.0)
+
+    wait, c_x, slid = until_lift(gamma * before.c_x_after, before.phase, rests)
     assert_allclose(after.rest, wait / TURN, atol=1e-15)
     assert_allclose(after.c_x, c_x / gamma, rtol=1e-15, atol=1e-15)
     slid += c_x * TURN * after.flight

@@ -133,9 +133,8 @@ def test_optimal_tilt_to_the_last_digits():
             e, mu = mpf(restitution), mpf(friction)
 
             def drift(t, e=e, mu=mu):
-                top = min(
-                    6 * t, mu * (4 + t * t) + 3 * t
-                )  # held, or slipping back where it is less
+                # held, or slipping back where it is less
+                top = min(6 * t, mu * (4 + t * t) + 3 * t)
                 return (1 + e) * top / (1 - e + (7 - e) * t * t)
 
             low, high = mpf(0), mpf(1)
@@ -166,10 +165,9 @@ def exact_relaxation(geometry, **how):
     for moved in ((c_x, c_z), (c_x + step, c_z), (c_x, c_z + step)):
         hit = reference_collide(*moved, 0, **geometry._asdict(), **how, plate_velocity=1, dps=50)
         after.append(mpmath.matrix([hit.c_x, -hit.c_z]))
-    a, c, b, d = (x / step for moved in after[1:] for x in moved - after[0])
-    root = mpmath.sqrt((a - d) ** 2 + 4 * b * c)
-    largest = max(abs(a + d + root), abs(a + d - root)) / 2
-    return -1 / mpmath.log(largest), abs(root)
+    change = mpmath.matrix([list((moved - after[0]) / step) for moved in after[1:]])
+    one, other = mpmath.eig(change, right=False)
+    return -1 / mpmath.log(max(abs(one), abs(other))), abs(one - other)
 
 
 def test_relaxation_by_whole_impacts(rods, how):

@@ -234,12 +234,7 @@ def test_a_changed_letter_or_sign_of_the_paper_is_caught(tag, monkeypatch):
     """The proofs themselves, past the seal, see a changed formula, left side or number."""
     formula = paper.EQUATIONS[tag]
     monkeypatch.setattr(paper, "sealed", lambda: True)
-    judged = [
-        entry
-        for entry in registry.ENTRIES
-        if isinstance(entry, Equation)
-        and tag in (entry.tag, *entry.formulas, *entry.contradicted_by)
-    ]
+    judged = [x for x in EQUATIONS if tag in (x.tag, *x.formulas, *x.contradicted_by)]
     assert judged
     for changed in changed_texts(formula.tex, numbers=not tag.startswith("A: ")):
         other = {**paper.EQUATIONS, tag: formula._replace(tex=changed)}
@@ -262,7 +257,7 @@ def read_again(tag):
         paper.printed.cache_clear()
 
 
-def changed_texts(tex, numbers=True):
+def changed_texts(tex, numbers):
     """A sign turned, a digit raised, a letter exchanged, on each side; each once, and the last.
 
     Of Appendix A's constants the dimensions are judged; for the numbers see test_words.py.
