@@ -80,7 +80,8 @@ def header(tmp_path_factory):
     if CC is None:
         pytest.skip("there is no C compiler")
     folder = tmp_path_factory.mktemp("c")
-    assert main(["generate", "--language", "c", "--out", str(folder / "rod_impact.h")]) == 0
+    for _ in range(2):  # the second header takes the place of the first
+        assert main(["generate", "--language", "c", "--out", str(folder / "rod_impact.h")]) == 0
     return folder
 
 
@@ -352,13 +353,6 @@ def test_the_command_prints_a_text(capsys):
     for language in languages.LANGUAGES:
         assert main(["generate", "--language", language]) == 0
         assert capsys.readouterr().out == languages.source(language)
-
-
-def test_a_generated_file_is_replaced(tmp_path):
-    path = tmp_path / "mine.h"
-    for _ in range(2):
-        assert main(["generate", "--language", "c", "--out", str(path)]) == 0
-    assert path.read_text("utf-8") == languages.source("c")
 
 
 @pytest.mark.skipif(shutil.which("c++") is None, reason="there is no C++ compiler")

@@ -71,13 +71,10 @@ def maths(source):
 
 
 def test_needs_nothing_from_outside(source, page):
+    """Every link leads to a place of the page."""
     stands_alone(source, page)
     assert not page.images
-    assert all(link.startswith("#") for link in page.links)
-
-
-def test_every_link_has_its_place(page):
-    assert {link[1:] for link in page.links} <= set(page.ids)
+    assert set(page.links) <= {f"#{name}" for name in page.ids}
     assert len(page.links) > 2 * len(registry.ENTRIES)
 
 
@@ -244,18 +241,12 @@ def test_drawings_are_in_the_page(source, page, prepared, drawing):
     assert plain(drawing.caption) in page.text[f"drawing-{drawing.name}"]
 
 
-@pytest.mark.parametrize("regime", ["slip-stick", "slip reversal"])
-def test_a_path_turns_where_the_slip_stops(regime):
-    """The slip is zero at the corner; Newton's end is the highest, Poisson's the lowest."""
-    corner, ends = drawings.path(regime)
-    slip = slide.slip_velocity(sp.Float(corner[1]))
-    assert drawings._number(slip, drawings._at(regime)) == pytest.approx(0)
-    assert corner[1] < ends["poisson"][1] < ends["stronge"][1] < ends["newton"][1]
-
-
 @pytest.mark.parametrize("regime", drawings.IMPACTS)
 def test_a_path_ends_where_the_impact_does_under_each_law(regime):
-    """It does as it is drawn, between edges with their labels, below the tilt that it has."""
+    """It does as it is drawn, between edges with their labels, below the tilt that it has.
+
+    The path turns where the slip stops.
+    """
     tilt, slip = drawings.IMPACTS[regime]
     plane, *_ = drawings.impulses(regime).axes
     lines = {line.get_label(): np.transpose(line.get_data()) for line in plane.lines}
@@ -264,6 +255,8 @@ def test_a_path_ends_where_the_impact_does_under_each_law(regime):
     corner, _ = drawings.path(regime)
     assert lines["path"][1] == pytest.approx(corner)
     assert corner[0] == pytest.approx(-drawings.FRICTION * corner[1])
+    left = slide.slip_velocity(sp.Float(corner[1]))
+    assert drawings._number(left, drawings._at(regime)) == pytest.approx(0) or regime == "slide"
     known = {"friction": drawings.FRICTION, "restitution": drawings.RESTITUTION}
     for law in drawings.MARKERS:
         hit = collide(slip, -1.0, geometry=thin_rod(np.radians(tilt)), law=law, **known)
