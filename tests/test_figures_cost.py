@@ -1,6 +1,8 @@
 """Figures of accuracy and price, and the page of prices; no test asserts a time."""
 
 import json
+from functools import partial
+from itertools import combinations
 from types import SimpleNamespace
 from unittest.mock import Mock
 
@@ -32,8 +34,7 @@ from md.accuracy import steps_per_contact
 
 from .command_line import names_in
 from .quick_figures import FEW_EFFECTS, SIZES, check_figure, data, each_of, tiny
-from .reference import reference_collide
-from .sampling import LAWS, each_law
+from .sampling import LAWS, Impacts, each_law
 
 PRICED = [*price_page.PRICE_PANELS]
 
@@ -50,14 +51,13 @@ def test_every_figure(name):
 def test_exact_values_are_those_of_the_integration(law):
     """The figures' many digits against an integration that shares no formula with them."""
     impacts = random_impacts(60, seed=2)
+    integrated = Impacts(**impacts._asdict())
     true = exact_impacts.reference(impacts, law)
     assert set(true.regime) == {1, 2, 3}
-    for i, row in enumerate(zip(*(column.tolist() for column in impacts), strict=True)):
-        names = ("plate_velocity", "X", "Z", "k", "friction", "restitution")
-        given = dict(zip(names, row[3:], strict=True))
+    for i, row in enumerate(zip(*impacts, strict=True)):
         with mpmath.workdps(50):
             regime, values = exact_impacts.exact([mpmath.mpf(x) for x in row], law)
-            expected = reference_collide(*row[:3], **given, law=law, dps=50)
+            expected = integrated.reference(i, law)
             assert regime == true.regime[i] == expected.regime
             for field, value, scale in zip(
                 exact_impacts.FIELDS, values, true.scale[:, i], strict=True
@@ -238,7 +238,7 @@ class Machine:
         self.slowed, self.now, self.random = slowed, 0, default_rng(5)
 
     def calls(self):
-        return [lambda time=time: self.pass_by(time) for time in TIMES]
+        return [partial(self.pass_by, time) for time in TIMES]
 
     def pass_by(self, time):
         self.now += 1
@@ -263,12 +263,11 @@ def test_differences_are_found_on_a_machine_that_slows_down(slowed, scale):
     times = timing.steady(samples)
     left = timing.estimate(times[:, 0]).value / TIMES[0]
     assert left == pytest.approx(scale, rel=0.03)
-    for first in range(len(TIMES)):
-        for second in range(first):
-            true = (TIMES[first] - TIMES[second]) * left
-            value, error, spread = timing.estimate(times[:, first] - times[:, second])
-            assert abs(value - true) < 4 * error + 2e-3 * abs(true)
-            assert error < min(0.5, spread)
+    for first, second in combinations(range(len(TIMES)), 2):
+        true = (TIMES[first] - TIMES[second]) * left
+        value, error, spread = timing.estimate(times[:, first] - times[:, second])
+        assert abs(value - true) < 4 * error + 2e-3 * abs(true)
+        assert error < min(0.5, spread)
 
 
 def test_a_price_is_of_one_call_of_many(monkeypatch):
@@ -308,16 +307,16 @@ def test_the_command_writes_the_page_and_the_figures(tmp_path):
         assert main(["prices", "--out", str(tmp_path)]) == 0
     assert (tmp_path / f"{first}.npz").read_bytes() == kept
     assert all(made(tmp_path / f"{name}.npz")["quick"] for name in others)
-    assert "load 10000.0" in (tmp_path / "prices.json").read_text(encoding="utf-8")
+    assert "load 10000.0" in (tmp_path / "prices.json").read_text("utf-8")
     names = {f"{name}.{kind}" for name in others for kind in ("npz", "png", "pdf")}
     names |= {f"{first}.npz"}
     names |= {f"prices.{kind}" for kind in ("txt", "json", "png")}
     assert names_in(tmp_path) == names
-    words = (tmp_path / "prices.txt").read_text(encoding="utf-8")
+    words = (tmp_path / "prices.txt").read_text("utf-8")
     titles = [figures.FIGURES[name].title for name in PRICED]
     for word in (*titles, "alone[0]", "within[0]", "row[0]", "sweep[0]"):
         assert word in words
-    numbers = json.loads((tmp_path / "prices.json").read_text(encoding="utf-8"))
+    numbers = json.loads((tmp_path / "prices.json").read_text("utf-8"))
     alone = data("effect_prices")["alone"][:, :2].tolist()
     assert [effect["alone"] for effect in numbers["effects"]] == alone
     assert numbers["cores"][0] == {"count": 1, "gain": 1.0}
