@@ -134,11 +134,15 @@ def test_any_rod_goes_on(law):
     """Odd geometries, jammed contacts, no losses: it ends, every number finite, nothing below."""
     random = default_rng(8)
     for _ in range(300):
-        X, Z, k = *random.normal(size=2), 10 ** random.uniform(-1.5, 0.5)
-        gamma = 1 + 10 ** random.uniform(-12, 2)
-        friction, restitution = random.choice([0, 0.1, 1, 10, np.inf]), random.choice([0, 0.5, 1])
-        setting = {"gamma": gamma, "friction": friction, "restitution": restitution, "law": law}
-        run = record(ContactGeometry(X, Z, k), **setting, landings=30, transient=20)
+        run = record(
+            ContactGeometry(*random.normal(size=2), 10 ** random.uniform(-1.5, 0.5)),
+            gamma=1 + 10 ** random.uniform(-12, 2),
+            friction=random.choice([0, 0.1, 1, 10, np.inf]),
+            restitution=random.choice([0, 0.5, 1]),
+            landings=30,
+            law=law,
+            transient=20,
+        )
         assert all(np.all(np.isfinite(column)) for column in run)
         assert np.all(run.flight > 0)
         assert np.all(run.rest >= 0)
@@ -187,10 +191,12 @@ def test_means_are_those_of_the_landings():
 
 @each_law
 def test_scale_of_lengths_cancels(law):
-    setting = {**PAPER, "gamma": 2.5, "landings": 20, "law": law}
-    runs = [record(thin_rod(0.4, length), **setting) for length in (1.0, 2.0**300, 2.0**-900)]
-    for run in runs[1:]:
-        assert_array_equal(run.c_x_after, runs[0].c_x_after)
+    one, *others = (
+        record(thin_rod(0.4, length), gamma=2.5, **PAPER, landings=20, law=law)
+        for length in (1.0, 2.0**300, 2.0**-900)
+    )
+    for run in others:
+        assert_array_equal(run.c_x_after, one.c_x_after)
 
 
 def test_friction_has_its_limits():

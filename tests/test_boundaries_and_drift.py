@@ -1,5 +1,7 @@
 """Regime boundaries and stationary drift against the impact map and 50-digit arithmetic."""
 
+from functools import partial
+
 import mpmath
 import numpy as np
 import pytest
@@ -42,8 +44,9 @@ def test_critical_friction_separates_stick_from_reversal(rods):
     """A contact without slip at first has to decide at once."""
     critical = impact.critical_friction(rods)
     for factor, regime in ((1 + 1e-12, Regime.SLIP_STICK), (1 - 1e-12, Regime.SLIP_REVERSAL)):
-        setting = {"geometry": rods, "friction": factor * critical, "restitution": 0.5}
-        assert (impact.classify(0.0, -1.0, **setting) == regime)[critical > 1e-12].all()
+        friction = factor * critical
+        found = impact.classify(0.0, -1.0, geometry=rods, friction=friction, restitution=0.5)
+        assert (found == regime)[critical > 1e-12].all()
 
 
 def test_painleve_friction_is_where_an_impact_needs_no_approach(rods):
@@ -53,8 +56,10 @@ def test_painleve_friction_is_where_an_impact_needs_no_approach(rods):
         for got, x, z, k in zip(friction, *(map(mpf, part) for part in rods), strict=True):
             assert got == np.inf if x * z == 0 else ulps(got, (k * k + x * x) / abs(x * z)) <= 3
     for factor, pressed in ((1.01, True), (0.99, False)):
-        setting = {"geometry": rods, "friction": factor * friction, "restitution": 0.5}
-        hit = impact.collide(-np.sign(rods.X * rods.Z), -1e-9, **setting)
+        slip = -np.sign(rods.X * rods.Z)
+        hit = impact.collide(
+            slip, -1e-9, geometry=rods, friction=factor * friction, restitution=0.5
+        )
         assert ((hit.P_z > 1e-5) == pressed)[friction < 1e3].all()
 
 
@@ -188,9 +193,9 @@ def test_relaxation_at_the_ends():
     tilt, friction, restitution = np.transpose(
         [(0, 0.3, 0.65), (0, 0.3, 1), (0, 0, 0.6), (1, 0, 1)]
     )
-    rod, how = impact.thin_rod(tilt), {"friction": friction, "restitution": restitution}
     kept = [1 / np.log(4 / 3), np.inf, np.inf, np.inf]
-    assert_allclose(impact.relaxation(rod, **how), kept, rtol=4 * EPS)
+    found = impact.relaxation(impact.thin_rod(tilt), friction=friction, restitution=restitution)
+    assert_allclose(found, kept, rtol=4 * EPS)
     e, k = default_rng(10).uniform(0.1, 1, (2, 1000))  # a lying rod forgets at once
     at_once = impact.relaxation((np.sqrt(e) * k, 0.0, k), friction=0.3, restitution=e)
     assert ((at_once >= 0) & (at_once < 0.04)).all()
@@ -226,9 +231,8 @@ def test_landing_density(fall):
     assert np.trapezoid(density, phase) == pytest.approx(1, abs=1e-4)
     lit = density > 0
     assert_allclose(density[lit] * 2 * np.pi * fall, (fall + np.cos(phase))[lit])
-    mean = impact.mean_plate_velocity(
-        lambda x: impact.landing_density(x, fall_speed=fall), points=1_000_000
-    )
+    falling = partial(impact.landing_density, fall_speed=fall)
+    mean = impact.mean_plate_velocity(falling, points=1_000_000)
     assert mean == pytest.approx(stationary.alpha_of_fall(np.array(fall)), abs=2e-5)
 
 

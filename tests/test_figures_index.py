@@ -40,7 +40,7 @@ def picture(path):
 def made(out):
     """The page of `out` and what is read in it; all that it names lies in the folder."""
     assert main(["index", "--out", str(out)]) == 0
-    source = (out / "index.html").read_text(encoding="utf-8")
+    source = (out / "index.html").read_text("utf-8")
     page = Page(source)
     for link in page.links:
         assert not re.match(r"[a-z]+:|/", link)
@@ -48,7 +48,7 @@ def made(out):
         if path:
             assert (out / os.fsdecode(unquote_to_bytes(path))).is_file()
             # a link into another page leads somewhere there
-            assert not label or f'id="{label}"' in (out / path).read_text(encoding="utf-8")
+            assert not label or f'id="{label}"' in (out / path).read_text("utf-8")
         else:
             assert label in page.ids
     return source, page
@@ -69,24 +69,18 @@ def half(tmp_path_factory):
     (out / "cut.gif").write_bytes((out / "fig02.png").read_bytes()[:60])
     (out / "folder.gif").mkdir()
     (out / "broken.gif").touch()
-    (out / "prices.txt").write_text(f"effect <b> & more{' far' * 99}", encoding="utf-8")
+    (out / "prices.txt").write_text(f"effect <b> & more{' far' * 99}", "utf-8")
     ids = "".join(f'<i id="{report.anchor(entry.tag)}"></i>' for entry in ENTRIES)
     summary = "<h2>Verdicts</h2><p>96 entries. 2 of them not proved.</p>"
-    (out / "report.html").write_text(f"{summary}{ids}", encoding="utf-8")
+    (out / "report.html").write_text(f"{summary}{ids}", "utf-8")
     return out, *made(out)
 
 
-@pytest.fixture(scope="module")
-def bare(tmp_path_factory):
-    """Nothing but a file to show: the gallery stands in for the rest."""
-    out = tmp_path_factory.mktemp("bare")
+def test_what_a_folder_lacks_is_lent(tmp_path):
+    """Pictures, movie, and every statement of the claims, to a folder with a file to show."""
+    out = tmp_path
     (out / "prices.txt").touch()
-    return out, *made(out)
-
-
-def test_what_a_folder_lacks_is_lent(bare):
-    """Pictures, movie, and every statement of the claims."""
-    out, source, page = bare
+    source, page = made(out)
     assert "report.html" not in source
     lent = {f"gallery/{path.name}" for path in (out / "gallery").iterdir()}
     for name in lent:
@@ -175,7 +169,7 @@ def test_claims_of_the_folder_come_first(tmp_path):
         {**row, "name": "rate", "value": math.nan, "error": 0.0, "verdict": "not measured"},
         {"key": "b", "name": "aside", "value": 2.0, "error": 0.0},
     ]
-    (tmp_path / "claims.json").write_text(report_of(numbers), encoding="utf-8")
+    (tmp_path / "claims.json").write_text(report_of(numbers), "utf-8")
     source, page = made(tmp_path)
     for words in (
         "does not hold: 1, too close to call: 1, not measured: 1",
@@ -193,7 +187,7 @@ def test_claims_of_the_folder_come_first(tmp_path):
     ["{", "[]", '{"claims": ["a"]}', report_of([{"name": "n", "holds": [0, 1], "value": "x<y>"}])],
 )
 def test_claims_that_cannot_be_read_cost_a_line(text, tmp_path):
-    (tmp_path / "claims.json").write_text(text, encoding="utf-8")
+    (tmp_path / "claims.json").write_text(text, "utf-8")
     _, page = made(tmp_path)
     _, line = page.text["claims"].strip().split("\n")
     assert line.startswith("claims.json cannot be read (")

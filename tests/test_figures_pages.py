@@ -121,7 +121,7 @@ def test_a_slider_shows_what_impact_says(path):
 
 
 def test_every_control_is_labelled_and_has_its_range(path):
-    source = path.read_text(encoding="utf-8")
+    source = path.read_text("utf-8")
     labelled = set(re.findall(r'<label[^>]* for="([^"]+)"', source))
     labelled |= set(re.findall(r'<label><input [^>]*id="([^"]+)"', source))
     inputs = re.findall("<input ([^>]*)>", source)
@@ -135,8 +135,11 @@ def test_every_control_is_labelled_and_has_its_range(path):
 
 def test_the_options_are_the_start(tmp_path):
     path = tmp_path / "a.html"
-    given = START | {name: low for name, (low, *_) in RANGES.items()} | {"shape": "flat"}
-    given["law"] = "stronge"
+    given = (
+        START
+        | {name: low for name, (low, *_) in RANGES.items()}
+        | {"shape": "flat", "law": "stronge"}
+    )
     words = [f"--{name.replace('_', '-')}={value}" for name, value in given.items()]
     assert main(["explore", *words, "--html", str(path)]) == 0
     start = json.loads(re.search(r"const PAGE = (.*);\n", path.read_text())[1])["start"]
@@ -145,8 +148,8 @@ def test_the_options_are_the_start(tmp_path):
 
 # README and guide
 
-TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
-GUIDE = "\n".join(page.read_text(encoding="utf-8") for page in sorted(DOCS.glob("*.md")))
+TEXT = (ROOT / "README.md").read_text("utf-8")
+GUIDE = "\n".join(page.read_text("utf-8") for page in sorted(DOCS.glob("*.md")))
 EXAMPLES = re.findall(r"```python\n(.*?)```\n\n```text\n(.*?)```", TEXT, re.DOTALL)
 SCRIPTS = re.findall(r"```python\n(.*?)```", GUIDE, re.DOTALL)
 COMMANDS, LONGER = (
@@ -158,7 +161,7 @@ SLOW = ("sweep", "search", "results", "claims", "draw")
 
 def test_pages_are_of_the_numbers_in_the_gallery():
     for path, text in gallery.pages().items():
-        assert path.read_text(encoding="utf-8") == text
+        assert path.read_text("utf-8") == text
 
 
 def test_the_readme_is_short_and_measures_nothing_itself():
@@ -228,19 +231,18 @@ LINKED = [ROOT / "README.md", *sorted(gallery.GALLERY.glob("*.md")), *sorted(DOC
 
 @pytest.mark.parametrize("page", LINKED, ids=lambda page: page.name)
 def test_links_lead_somewhere(page):
-    text = page.read_text(encoding="utf-8")
+    text = page.read_text("utf-8")
     for target, label in re.findall(r"\]\((?!http)([^)#]*)(?:#([^)]+))?\)", text):
         other = (page.parent / target).resolve() if target else page
         assert other.is_file()
-        heads = re.findall(r"^#+ (.*)$", other.read_text(encoding="utf-8"), re.M) if label else []
-        assert not label or label in [
-            re.sub(r"[^\w -]", "", h.lower()).replace(" ", "-") for h in heads
-        ]
+        if label:
+            heads = re.findall(r"^#+ (.*)$", other.read_text("utf-8").lower(), re.M)
+            assert label in [re.sub(r"[^\w -]", "", head).replace(" ", "-") for head in heads]
 
 
 def test_the_citation_is_that_of_the_file():
     """BibTeX in the guide has the values of CITATION.cff, and no other."""
-    cff = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    cff = (ROOT / "CITATION.cff").read_text("utf-8")
     names = "title|name|family-names|given-names|journal|volume|start|version|date-released|year"
     values = re.findall(rf'^ *(?:- )?({names}): "?(.+?)"?$', cff, re.M)
     expected = {value[:4] if name == "date-released" else value for name, value in values}
@@ -257,7 +259,7 @@ def test_hard_cases_are_where_it_says():
         numbers = [int(number) for number in re.findall(r"\d+", names)]
         if "-" in names:
             numbers = range(numbers[0], numbers[1] + 1)
-        text = (ROOT / file).read_text(encoding="utf-8")
+        text = (ROOT / file).read_text("utf-8")
         for name in (f"{names[0]}{number}" for number in numbers):
             assert re.search(rf"\b(test_)?{name.lower()}_|\b{name}\b", text)
             found.add(name)

@@ -75,8 +75,8 @@ def test_fig10_shows_the_regimes_of_its_values(restitution):
         mesh = ax.collections[0]
         assert_array_equal(mesh.get_array(), regime)
         assert len(np.unique(mesh.to_rgba([*named]), axis=0)) == len(named)
-        how = {"friction": 0.75, "restitution": restitution}
-        stops = classify(1.0, -ratio, geometry=end, **how) != Regime.SLIDE
+        last = classify(1.0, -ratio, geometry=end, friction=0.75, restitution=restitution)
+        stops = last != Regime.SLIDE
         assert any("3/4" in str(line.get_label()) for line in ax.lines) == stops
     assert rf"$\epsilon={restitution:g}$" in picture.get_supxlabel()
     plt.close(picture)
@@ -128,8 +128,7 @@ def thick(tilt):
 
 def rigid(tilt, restitution, law="newton"):
     """The impact of Fig. 12, mu = 0.4."""
-    how = {"friction": 0.4, "restitution": restitution, "law": law}
-    return collide(0.5, -1.0, geometry=thick(tilt), **how)
+    return collide(0.5, -1.0, geometry=thick(tilt), friction=0.4, restitution=restitution, law=law)
 
 
 def test_fig12_symbols_lie_on_the_theory_at_measured_restitution():
@@ -162,8 +161,8 @@ def test_rows_are_shown_in_the_units_of_the_axes():
     assert_allclose(six["c_x_after"], found["c_x"] * np.sqrt(981 * 0.6))
     assert_allclose(six["omega_before"], found["omega"] * np.sqrt(981 / 0.6))
     speed = 3.3 * 981 / (2 * np.pi * 60)
-    setting = {"friction": 0.3, "restitution": 0.65, "plate_velocity": speed / 2}
-    line = drift(thick(np.radians(six["fine_deg"])), **setting)
+    rod = thick(np.radians(six["fine_deg"]))
+    line = drift(rod, friction=0.3, restitution=0.65, plate_velocity=speed / 2)
     assert_allclose(six["line_c_x"], line.c_x, rtol=1e-12)
 
 

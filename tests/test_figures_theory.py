@@ -20,10 +20,12 @@ def largest_gain(tilt, friction, restitution):
     given = np.broadcast_arrays(tilt, friction, restitution)
     tilt, friction, restitution = np.stack(given)[..., None]
     centre, half = np.zeros(tilt.shape), np.radians(80)  # of arctan(u_0/|v_0|)
-    how = {"geometry": thin_rod(tilt), "friction": friction, "restitution": restitution}
+    rod = thin_rod(tilt)
     for points in (161, 41, 41):
         angle = centre + half * np.linspace(-1, 1, points)
-        gain = collide(np.tan(angle), -1.0, **how).energy_change
+        slip = np.tan(angle)
+        hit = collide(slip, -1.0, geometry=rod, friction=friction, restitution=restitution)
+        gain = hit.energy_change
         centre = np.take_along_axis(angle, gain.argmax(-1)[..., None], -1)
         half *= 2 / (points - 1)
     return gain.max(-1)

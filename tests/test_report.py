@@ -63,13 +63,6 @@ def page(source):
     return Page(source)
 
 
-@pytest.fixture(scope="module")
-def maths(source):
-    found = re.findall(r"<math\b.*?</math>", source, re.DOTALL)
-    assert len(found) > 2 * len(EQUATIONS)
-    return [ElementTree.fromstring(math) for math in found]
-
-
 def test_needs_nothing_from_outside(source, page):
     """Every link leads to a place of the page."""
     stands_alone(source, page)
@@ -110,9 +103,11 @@ def test_a_failed_proof_is_not_hidden(rows, prepared):
     assert "No verdict failed" not in source
 
 
-def test_mathml_is_what_browsers_know(maths):
-    for math in maths:
-        for element in math.iter():
+def test_mathml_is_what_browsers_know(source):
+    found = re.findall(r"<math\b.*?</math>", source, re.DOTALL)
+    assert len(found) > 2 * len(EQUATIONS)
+    for math in found:
+        for element in ElementTree.fromstring(math).iter():
             assert element.tag in KNOWN
             assert len(element) == CHILDREN.get(element.tag, len(element))
             text = element.text or ""
