@@ -307,7 +307,6 @@ def test_the_command_writes_the_page_and_the_figures(tmp_path):
         assert main(["prices", "--out", str(tmp_path)]) == 0
     assert (tmp_path / f"{first}.npz").read_bytes() == kept
     assert all(made(tmp_path / f"{name}.npz")["quick"] for name in others)
-    assert "load 10000.0" in (tmp_path / "prices.json").read_text("utf-8")
     names = {f"{name}.{kind}" for name in others for kind in ("npz", "png", "pdf")}
     names |= {f"{first}.npz"}
     names |= {f"prices.{kind}" for kind in ("txt", "json", "png")}
@@ -316,7 +315,9 @@ def test_the_command_writes_the_page_and_the_figures(tmp_path):
     titles = [figures.FIGURES[name].title for name in PRICED]
     for word in (*titles, "alone[0]", "within[0]", "row[0]", "sweep[0]"):
         assert word in words
-    numbers = json.loads((tmp_path / "prices.json").read_text("utf-8"))
+    text = (tmp_path / "prices.json").read_text("utf-8")
+    assert "load 10000.0" in text
+    numbers = json.loads(text)
     alone = data("effect_prices")["alone"][:, :2].tolist()
     assert [effect["alone"] for effect in numbers["effects"]] == alone
     assert numbers["cores"][0] == {"count": 1, "gain": 1.0}

@@ -76,8 +76,8 @@ def with_mistake(name, old, new):
     """The code with one line changed."""
     tree = deepcopy(TREE)
     (function,) = (node for node in tree.body if getattr(node, "name", "") == name)
-    (i,) = (i for i, line in enumerate(function.body) if ast.unparse(line) == old)
-    function.body[i] = ast.parse(f"def f():\n    {new}").body[0].body[0]
+    i = [*map(ast.unparse, function.body)].index(old)
+    function.body[i] = ast.parse(new).body[0]
     return ast.unparse(tree)
 
 

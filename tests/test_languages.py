@@ -89,7 +89,7 @@ def built(folder, name, text, flags):
     """Path of what is compiled from a text."""
     (folder / f"{name}.c").write_text(text)
     command = [CC, *flags.split(), "-o", folder / name, folder / f"{name}.c", "-lm"]
-    assert called(*command).returncode == 0
+    called(*command, check=True)
     return str(folder / name)
 
 
