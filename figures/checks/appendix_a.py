@@ -40,6 +40,7 @@ from ..lib.style import (
     RED,
     Data,
     legend_above,
+    log_log,
     name_panels,
     note,
     shades,
@@ -77,11 +78,13 @@ def reading(where: str, mass: str) -> md.Law:
     return replace(law, spring=law.spring._replace(proportional=None, root=root))
 
 
-def _from_rigid(law: md.Law, rod: md.Rod) -> list[np.ndarray]:
-    """RMS distance from theory at the claimed 0.65, and at the measured restitution."""
+def _measured(where: str, mass: str, inertia: str) -> tuple[np.ndarray, list[np.ndarray]]:
+    """Restitution; RMS distance from theory at the claimed 0.65, and at the measured one."""
+    law, rod = reading(where, mass), replace(ROD, inertia=inertia)
     soft = simulate(TABLE_TILTS, law, rod=rod)
     taken = CLAIMED[0], soft.restitution
-    return [distance(soft, rigid(TABLE_TILTS, restitution, rod)) for restitution in taken]
+    off = [distance(soft, rigid(TABLE_TILTS, restitution, rod)) for restitution in taken]
+    return simulate(TILTS, law, rod=rod).restitution, off
 
 
 def _why(ratios: np.ndarray) -> Data:
@@ -97,21 +100,15 @@ def _why(ratios: np.ndarray) -> Data:
 
 def data(quick: bool = False) -> Data:
     """Restitutions (where, mass, inertia, tilt) and distances of 36 readings, and why."""
-    shape = len(WHERE), len(MASSES), len(INERTIAS)
-    restitution, off = np.empty((*shape, TILTS.size)), np.empty((*shape, 2))
-    for at, (where, mass, inertia) in zip(
-        np.ndindex(shape), product(WHERE, MASSES, INERTIAS), strict=True
-    ):
-        rod = replace(ROD, inertia=inertia)
-        law = reading(where, mass)
-        restitution[at] = simulate(TILTS, law, rod=rod).restitution
-        off[at] = _from_rigid(law, rod)
+    shape = len(WHERE), len(MASSES), len(INERTIAS), -1
+    found = [_measured(*one) for one in product(WHERE, MASSES, INERTIAS)]
+    restitution, off = zip(*found, strict=True)
     checked = [reading(*one) for one in product(WHERE, ["rod, M/2"] if quick else MASSES)]
     halved = [[simulate(TABLE_TILTS, law, refine=n) for n in (32, 64)] for law in checked]
     return {
         "tilt": TILTS,
-        "restitution": restitution,
-        "compared": off,
+        "restitution": np.reshape(restitution, shape),
+        "compared": np.reshape(off, shape),
         **_why(PRINTED_RATIO * 10 ** np.linspace(-1, 4, 6 if quick else 11)),
         "step_error": np.max([distance(*pair) for pair in halved]),
     }
@@ -137,7 +134,7 @@ def _draw_distances(ax: Axes, d: Data) -> None:
         ax.scatter(*off.T, 12, marker=marker, facecolor="none", edgecolor=COLOURS)
         ax.plot([], [], marker, color="0.3", mfc="none", label=where)
     ax.plot([0.02, 1], [0.02, 1], "-", color="0.7", lw=0.6)
-    ax.set(xscale="log", yscale="log", xlim=(0.03, 0.7), ylim=(3e-5, 0.5))
+    log_log(ax, xlim=(0.03, 0.7), ylim=(3e-5, 0.5))
     ax.set_xticks([0.05, 0.1, 0.2, 0.5], labels=["0.05", "0.1", "0.2", "0.5"])
     ax.set_xticks([], minor=True)
     ax.set(xlabel=r"RMS, $\epsilon=0.65$", ylabel=r"RMS, measured $\epsilon$")
@@ -148,7 +145,7 @@ def _draw_why(ax: Axes, d: Data) -> None:
     for z, row, colour in zip(DAMPINGS, d["why"], shades(len(DAMPINGS)), strict=True):
         ax.plot(d["ratio"], row, color=colour, label=f"{z:g}")
     ax.plot(d["printed_ratio"], d["compared"][0, 0, 0, 1], "k*", ms=8, label="printed")
-    ax.set(xscale="log", yscale="log", ylim=(3e-5, 0.5), ylabel=r"RMS, measured $\epsilon$")
+    log_log(ax, ylim=(3e-5, 0.5), ylabel=r"RMS, measured $\epsilon$")
     ax.set_xlabel(r"$k_t\delta/(k_n\delta^{1/2})$, deepest overlap")
     ax.legend(title="damping ratio", loc="lower left")
 

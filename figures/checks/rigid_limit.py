@@ -17,7 +17,7 @@ import numpy as np
 import md
 
 from ..lib.soft_impacts import CONTACT_COLOURS, LAW_WORDS, from_theory, scene_words
-from ..lib.style import Data, name_panels, note, style
+from ..lib.style import Data, log_log, name_panels, note, style
 
 TANGENTIAL_RATIOS = (3.0, 30.0, 300.0, 3000.0)  # tangential ratios of panel (a)
 SPRING_SERIES = (  # k_n, tangential damping of panel (b); k_n in words
@@ -89,7 +89,7 @@ def draw(d: Data) -> plt.Figure:
     anchor = 0.4 * d["error"][0, 0] * (d["k_n"] / d["k_n"][0]) ** -0.4
     left.plot(d["k_n"], anchor, "-", color="0.6", lw=0.8)
     left.text(1e11, 9e-7, r"$k_n^{-2/5}$", ha="center", color="0.4")
-    left.set(xscale="log", yscale="log", ylim=(1e-10, 1))
+    log_log(left, ylim=(1e-10, 1))
     left.set(xlabel=r"stiffness $k_n$ ($mg/d^{3/2}$)", ylabel=r"RMS $|\Delta\mathbf{c}'|/|c_z|$")
     forms = "^--", "s-", "D-."
     series = zip(SPRING_SERIES, d["error_by_ratio"], d["slope_by_ratio"], forms, strict=True)
@@ -98,8 +98,7 @@ def draw(d: Data) -> plt.Figure:
         other.plot(d["ratio"], error, form, color=spring, ms=3, label=label)
     other.plot(d["ratio"], 2.2e-2 * np.sqrt(3 / d["ratio"]), "-", color="0.6", lw=0.8)
     other.text(60, 2.9e-3, r"ratio$^{-1/2}$", ha="right", color="0.4")
-    other.set(xscale="log", yscale="log", ylim=(2e-4, 0.3))
-    other.set(xlabel=r"tangential stiffness over $k_n\delta^{1/2}$")
+    log_log(other, ylim=(2e-4, 0.3), xlabel=r"tangential stiffness over $k_n\delta^{1/2}$")
     name_panels((left, other), (f"constraint: slope {d['slope'][0]:.3f}", "spring"))
     for ax in (left, other):
         ax.legend(loc="lower left")

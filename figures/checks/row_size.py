@@ -109,8 +109,8 @@ def draw(d: Data) -> plt.Figure:
         "rods that lean unlike": _draw_spread,
     }
     figure = painted(d, panels, rows=2, figsize=(3.4, 4.4), sharex=True)
-    for ax in figure.axes[:-1]:
-        ax.set(xlabel="")
-    legend_above(figure, figure.axes[0], ncols=3)
+    top, _ = figure.axes
+    top.set_xlabel("")
+    legend_above(figure, top, ncols=3)
     note(figure, rf"$l={LENGTH}\,d$, $\Gamma={GAMMA}$, 60 Hz; {LAW_NAME}")
     return figure

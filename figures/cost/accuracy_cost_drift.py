@@ -24,7 +24,7 @@ from md.scene import from_tables
 from md.sweep import Point, Sweep
 
 from ..lib.runs import ROW, computed, gathered, measured_by
-from ..lib.style import BLACK, BLUE, GREEN, RED, Data, note, painted, shades, style
+from ..lib.style import BLACK, BLUE, GREEN, RED, Data, Look, log_log, note, painted, shades, style
 from ..lib.timing import seconds_per_period
 
 PAPER_STEP = 2e-5  # sqrt(d/g)
@@ -36,6 +36,8 @@ CLEAR_BIAS = 3  # its own errors: a smaller bias is taken for none
 DRIFT_TOLERANCES = (0.05, 0.03, 0.01)
 ASKED_SEED = 5
 BELOW = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.18), "ncols": 2}  # of a legend
+AXES: Look = {"xlabel": "time of the run (s)", "ylabel": r"error of $c_x$, relative"}
+FORMS = (BLACK, "s-"), (BLUE, "^-"), (GREEN, "D-"), (RED, "v-")  # of runs to a tolerance
 PART_LENGTHS = np.unique(np.geomspace(4, 2500, 14).astype(int))  # of the parts, periods
 
 
@@ -59,8 +61,12 @@ def long_run(scene: md.Scene, periods: int) -> dict[str, Any]:
     if not run.finished:
         raise KeyboardInterrupt
     series = run.c_x_series[CUT:]
-    found = {"mean": float(series.mean()), "error": standard_error(series), "made": len(series)}
-    return {**found, "parts": parts(series, PART_LENGTHS).tolist()}
+    return {
+        "mean": float(series.mean()),
+        "error": standard_error(series),
+        "made": len(series),
+        "parts": parts(series, PART_LENGTHS).tolist(),
+    }
 
 
 def steps() -> list[float]:
@@ -81,10 +87,8 @@ def asked() -> dict[str, md.Scene]:
 
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
     """Sweeps: long runs over the step; runs to a tolerance, scene by scene."""
-    sizes = steps()
-    made = [LONG_PERIODS[quick] // (1 if dt > PAPER_STEP else 3) for dt in sizes]
-    long = [Point(_scene(dt), CUT + n) for dt, n in zip(sizes, made, strict=True)]
-    scenes = asked()
+    sizes, most, scenes = steps(), LONG_PERIODS[quick], asked()
+    long = [Point(_scene(dt), CUT + (most if dt > PAPER_STEP else most // 3)) for dt in sizes]
     points = [Point(one, 0, tolerance) for one in scenes.values() for tolerance in DRIFT_TOLERANCES]
     axes = {"scene": [*scenes]}, {"tolerance": [*DRIFT_TOLERANCES]}
     return {
@@ -127,13 +131,17 @@ def data(quick: bool = False) -> Data:
 
 def runs(d: Data) -> list[dict[str, Any]]:
     """Runs to a tolerance; the error is None where the true drift is not known."""
-    found = []
-    for i, scene in enumerate(d["scene"].tolist()):
-        for j, tolerance in enumerate(d["tolerance"].tolist()):
-            one = {"scene": scene, "tolerance": tolerance}
-            one |= {k: float(d[f"run_{k}"][i, j]) for k in ("per_contact", "periods", "seconds")}
-            found.append(one | {"error": float(d["run_error"][j]) if i == 0 else None})
-    return found
+    return [
+        {
+            "scene": d["scene"][i],
+            "tolerance": d["tolerance"][j],
+            "per_contact": d["run_per_contact"][i, j],
+            "periods": d["run_periods"][i, j],
+            "seconds": d["run_seconds"][i, j],
+            "error": d["run_error"][j] if i == 0 else None,
+        }
+        for i, j in np.ndindex(d["run_seconds"].shape)
+    ]
 
 
 def rms_of_parts(of_parts: np.ndarray, truth: float) -> np.ndarray:
@@ -154,60 +162,52 @@ def to_reach(d: Data, error: float) -> np.ndarray:
     return np.where(room > 0, periods * d["seconds"], np.inf)
 
 
-def _labels(d: Data) -> list[str]:
-    names = [rf"$t_c/{n:.0f}$" for n in d["per_contact"]]
-    return [*names[:-1], names[-1] + ", the paper's"]
+def _looks(d: Data) -> list[tuple[Any, str]]:
+    """Colour and name of each step."""
+    *names, papers = (rf"$t_c/{n:.0f}$" for n in d["per_contact"])
+    return [*zip(shades(len(names)), names, strict=True), (BLACK, f"{papers}, the paper's")]
 
 
 def panel(ax: Axes, d: Data) -> None:
     """Error against time, step by step."""
-    colours = [*shades(len(d["dt"]) - 1), BLACK]
-    for i, (colour, label) in enumerate(zip(colours, _labels(d), strict=True)):
-        time = d["lengths"] * d["seconds"][i]
-        ax.plot(time, d["rms"][i], "o-", color=colour, ms=2.2, lw=0.8, label=label)
     longest = d["lengths"][np.isfinite(d["rms"][0])][-1]
     right = 2 * (longest * d["seconds"][:-1]).max()
-    for i, colour in enumerate(colours):
-        size, error = abs(d["bias"][i]), d["bias_error"][i]
-        clear = size > CLEAR_BIAS * error
-        look = {"lw": 1.4, "ls": "-"} if clear else {"lw": 0.8, "ls": ":"}
-        height = size if clear else CLEAR_BIAS * error
-        ax.plot([right, 3 * right], [height, height], color=colour, **look)
+    for i, (colour, label) in enumerate(_looks(d)):
+        time = d["lengths"] * d["seconds"][i]
+        ax.plot(time, d["rms"][i], "o-", color=colour, ms=2.2, lw=0.8, label=label)
+        size, least = abs(d["bias"][i]), CLEAR_BIAS * d["bias_error"][i]
+        look = {"lw": 1.4, "ls": "-"} if size > least else {"lw": 0.8, "ls": ":"}
+        ax.plot([right, 3 * right], [max(size, least)] * 2, color=colour, **look)
     time = np.array([d["lengths"][0] * d["seconds"][:-1].min(), right])
     middle = int(np.abs(d["per_contact"] - 25).argmin())
     guide = 0.5 * d["noise"][middle] * np.sqrt(d["seconds"][middle] / time)
     ax.plot(time, guide, color="0.5", lw=0.8, ls="--", label="time$^{-1/2}$")
     ax.plot(to_reach(d, 0.01)[-1], 0.01, "D", color=BLACK, ms=5, mfc="white", mew=1.2)
     ax.axhline(0.01, color="0.75", lw=0.6)
-    ax.set(xscale="log", yscale="log", xlabel="time of the run (s)")
-    ax.set(ylabel=r"error of $c_x$, relative", ylim=(4e-4, 0.5))
+    log_log(ax, **AXES, ylim=(4e-4, 0.5))
     ax.legend(**BELOW, title="step")
 
 
 def _draw_runs(ax: Axes, d: Data) -> None:
     wanted = np.geomspace(0.003, 0.3, 60)
-    colours = [*shades(len(d["dt"]) - 1), BLACK]
     for i in (1, 3, 5):
-        time = np.array([to_reach(d, r / 1.96)[i] for r in wanted])
-        ax.plot(time, wanted, "--", color=colours[i], lw=0.7, label=_labels(d)[i])
-    for i, (name, (colour, mark)) in enumerate(zip(d["scene"], _MARKS, strict=True)):
-        time, look = d["run_seconds"][i], {"color": colour, "ms": 3}
-        ax.plot(time, d["tolerance"], f"{mark}-", lw=0.9, label=name.replace("_", " "), **look)
+        time, (colour, label) = [to_reach(d, r / 1.96)[i] for r in wanted], _looks(d)[i]
+        ax.plot(time, wanted, "--", color=colour, lw=0.7, label=label)
+    for name, time, (colour, form) in zip(d["scene"], d["run_seconds"], FORMS, strict=True):
+        label = name.replace("_", " ")
+        ax.plot(time, d["tolerance"], form, color=colour, ms=3, lw=0.9, label=label)
     had = np.fmax(d["run_error"], 1e-4)
     ax.plot(d["run_seconds"][0], had, "x", color=BLACK, ms=4, label="error the row had")
-    ax.set(xscale="log", yscale="log", xlabel="time of the run (s)", ylim=(1e-4, 0.12))
-    ax.set_ylabel(r"error of $c_x$, relative")
+    log_log(ax, **AXES, ylim=(1e-4, 0.12))
     ax.legend(**BELOW)
-
-
-_MARKS = (BLACK, "s"), (BLUE, "^"), (GREEN, "D"), (RED, "v")
 
 
 @style
 def draw(d: Data) -> plt.Figure:
     panels = {"drift of the row": panel, "by tolerance, 95 %": _draw_runs}
     figure = painted(d, panels, figsize=(7.0, 3.8))
-    one = [f"{t:.2g} s at {name}" for t, name in zip(to_reach(d, 0.01), _labels(d), strict=True)]
+    times = zip(to_reach(d, 0.01), _looks(d), strict=True)
+    one = [f"{time:.2g} s at {name}" for time, (_, name) in times]
     words = f"an error of 1 % (one standard error): {', '.join(one)}".replace("inf s", "never")
     note(figure, words)
     return figure

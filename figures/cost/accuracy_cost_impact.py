@@ -27,7 +27,7 @@ from md.laws import contact_time, effects_of
 
 from ..claims.uncertainty import rms
 from ..lib.soft_impacts import APPROACH_RATIO, IMPACT_FRICTION, ROD, TABLE_TILTS, one_impact
-from ..lib.style import BLACK, BLUE, GREEN, ORANGE, Data, name_panels, note, style
+from ..lib.style import BLACK, BLUE, GREEN, ORANGE, Data, log_log, name_panels, note, style
 from ..lib.timing import machine_line, medians
 
 LAW = md.coulomb()
@@ -74,7 +74,7 @@ def velocities(**how) -> tuple[np.ndarray, list[md.Impact]]:
 def fixed_steps(parts: np.ndarray, true: np.ndarray) -> np.ndarray:
     """Largest and median error, shape (2, methods, parts); nan if any impact fails."""
     whole, found = contact_time(LAW, 1.0), np.empty((2, len(METHODS), parts.size))
-    for (i, j), _ in np.ndenumerate(found[0]):
+    for i, j in np.ndindex(found.shape[1:]):
         dt = whole / parts[j]
         hits = [velocities(integrator=METHODS[i], dt=dt, offset=part)[0] for part in OFFSETS]
         length = np.hypot(*np.moveaxis(hits - true, -1, 0))
@@ -151,33 +151,37 @@ def data(quick: bool = False) -> Data:
     }
 
 
-def _draw_errors(ax: Axes, d: Data, x: Sequence[np.ndarray]) -> None:
-    """Largest (filled) and median errors over `x`, one row a method."""
-    for i, (method, (colour, marker)) in enumerate(LOOKS.items()):
-        worst, middle = d["fixed_error"][:, i]
-        look = {"color": colour, "lw": 0.8, "ms": 3}
-        ax.plot(
-            x[i], worst, marker + "-", label=f"{method.title()}, order {d['order'][i]:.2f}", **look
-        )
-        ax.plot(x[i], middle, marker + ":", mfc="white", mew=0.7, **look)
+def _errors(
+    ax: Axes, x: np.ndarray, error: np.ndarray, colour: str, marker: str, label: str
+) -> None:
+    """Draw largest (filled) and median errors over `x`."""
+    worst, middle = error
+    look = {"color": colour, "lw": 0.8, "ms": 3}
+    ax.plot(x, worst, f"{marker}-", label=label, **look)
+    ax.plot(x, middle, f"{marker}:", mfc="white", mew=0.7, **look)
+
+
+def _fixed_steps(ax: Axes, d: Data, x: Sequence[np.ndarray]) -> None:
+    """Draw errors of the methods over `x`, one row a method."""
+    for i, (method, look) in enumerate(LOOKS.items()):
+        label = f"{method.title()}, order {d['order'][i]:.2f}"
+        _errors(ax, x[i], d["fixed_error"][:, i], *look, label)
     ax.axhline(d["floor"], color="0.55", lw=0.8, ls="--")
     ax.axhline(np.finfo(float).eps / 2, color="0.55", lw=0.8, ls=":")
-    ax.set(xscale="log", yscale="log", ylim=(3e-17, 1))
+    log_log(ax, ylim=(3e-17, 1))
 
 
 @style
 def draw(d: Data) -> plt.Figure:
     figure, (steps, time) = plt.subplots(1, 2, figsize=(7.0, 3.2), sharey=True)
-    _draw_errors(steps, d, [1 / d["parts"]] * len(LOOKS))
+    _fixed_steps(steps, d, [1 / d["parts"]] * len(LOOKS))
     steps.text(4e-6, 2 * d["floor"], "the reference's own error")
     steps.text(4e-6, 2e-16, "half an ulp")
     steps.set(xlabel=r"step $\Delta t/t_c$", xlim=(1.5e-6, 0.3))
     steps.set_ylabel(r"$|\Delta\mathbf{c}'|/|c_z|$, integration")
-    _draw_errors(time, d, 1e6 * d["fixed_seconds"])
-    worst, middle = d["adaptive_error"]
-    look = {"color": GREEN, "lw": 0.8, "ms": 3}
-    time.plot(1e6 * d["adaptive_seconds"], worst, "D-", label="DOP853, switches located", **look)
-    time.plot(1e6 * d["adaptive_seconds"], middle, "D:", mfc="white", mew=0.7, **look)
+    _fixed_steps(time, d, 1e6 * d["fixed_seconds"])
+    label, microseconds = "DOP853, switches located", 1e6 * d["adaptive_seconds"]
+    _errors(time, microseconds, d["adaptive_error"], GREEN, "D", label)
     time.legend(loc="lower left", bbox_to_anchor=(0, 0.28))
     time.set(xlabel="time per impact (µs)", xlim=(0.1, 1e5))
     name_panels((steps, time), ("over the step", "over the time"))

@@ -169,8 +169,15 @@ def panel(ax: Axes, d: Data) -> None:
         for unclear in (False, True):
             here = (d["group"] == group) & ((np.abs(off) <= error) == unclear)
             face = "white" if unclear else colour
-            look = {"fmt": marker, "color": colour, "mfc": face, "elinewidth": 0.8}
-            ax.errorbar(off[here], y[here], xerr=error[here], **look)
+            ax.errorbar(
+                off[here],
+                y[here],
+                xerr=error[here],
+                fmt=marker,
+                color=colour,
+                mfc=face,
+                elinewidth=0.8,
+            )
     seconds, beside = EngFormatter("s", places=1), {"va": "center", "ha": "right"}
     for at, time in zip(y, d["seconds"], strict=True):
         ax.text(1.15, at, seconds(time), transform=ax.get_yaxis_transform(), **beside)

@@ -11,7 +11,7 @@ import numpy as np
 from impact import collide
 from impact.benchmark import random_impacts
 
-from ..lib.style import BLACK, BLUE, RED, Data, style
+from ..lib.style import BLACK, BLUE, RED, Data, log_log, style
 from ..lib.timing import medians, repeated
 from .exact_impacts import FIELDS, Impacts, literal, reference
 
@@ -66,8 +66,7 @@ def draw(d: Data) -> plt.Figure:
     ax.axvline(1e9 * d["memory_seconds"], color="0.55", lw=0.8, ls="--")
     beside = 1.35e9 * d["memory_seconds"]
     ax.text(beside, 1e-3, "one pass through memory", rotation=90, va="center")
-    ax.set(xscale="log", yscale="log", xlim=(2, 1e4), ylim=(1e-18, 1e5))
+    log_log(ax, xlim=(2, 1e4), ylim=(1e-18, 1e5))
     ax.set(xlabel="time per impact (ns)", ylabel="relative error")
-    words = "filled: largest error\nopen: median"
-    figure.legend(loc="outside right center", title=words)
+    figure.legend(loc="outside right center", title="filled: largest error\nopen: median")
     return figure

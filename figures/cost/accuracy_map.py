@@ -76,8 +76,9 @@ def draw(d: Data) -> plt.Figure:
     line = np.degrees(d["line_tilt"])
     titles = {"ours": "impact.collide", "literal": "formulas as printed, mistakes corrected"}
     for ax, key in zip(axes, titles, strict=True):
-        look = {"cmap": "viridis", "norm": norm, "rasterized": True}
-        fill = ax.pcolormesh(np.degrees(d["tilt"]), d["friction"], d[key], **look)
+        fill = ax.pcolormesh(
+            np.degrees(d["tilt"]), d["friction"], d[key], cmap="viridis", norm=norm, rasterized=True
+        )
         ax.plot(line, d["slide_friction"], "w-", label=r"$u_*=0$, Eq. (14)")
         ax.plot(line, d["critical_friction"], "w--", label=r"$\mu(k^2+Z^2)=XZ$, Eq. (16)")
         ax.plot(line, d["painleve_friction"], "w:", label="Painlevé's friction")
@@ -86,8 +87,14 @@ def draw(d: Data) -> plt.Figure:
     name_panels(axes, titles.values())
     axes[0].set_ylabel(r"friction $\mu$")
     axes[1].tick_params(labelleft=False)
-    look = {"label": "largest error (ulp)", "ticks": ULP_LEVELS, "spacing": "uniform", "pad": 0.01}
-    look["format"] = lambda x, _: f"{x:g}" if x < 1e3 else f"$10^{{{round(np.log10(x))}}}$"
-    figure.colorbar(fill, ax=axes, **look)
+    figure.colorbar(
+        fill,
+        ax=axes,
+        label="largest error (ulp)",
+        ticks=ULP_LEVELS,
+        spacing="uniform",
+        pad=0.01,
+        format=lambda x, _: f"{x:g}" if x < 1e3 else f"$10^{{{round(np.log10(x))}}}$",
+    )
     axes[0].legend(loc="lower left", labelcolor="white", frameon=False)
     return figure

@@ -30,7 +30,7 @@ from md.sweep import Sweep
 from ..lib.runs import SIMPLE_ROW, means, planned, starts
 from ..lib.style import BLUE, ORANGE, Data, note, style
 from ..lib.timing import estimate, in_turn, machine_line, onward, steady, waited
-from .scene_variants import FULL, GROUPS, NOTHING, STEP_SIZE, Effect, Variant, variants
+from .scene_variants import BARE, FULL, GROUPS, STEP_SIZE, Effect, Variant, variants
 
 Place = tuple[dict[str, np.ndarray], int]  # all that changes in a run, and the number of its step
 PLACES = 8  # evenly over the plate's cycle, more than a period apart
@@ -39,7 +39,6 @@ WARM_STEPS = 32  # steps before, that bring all into the cache
 ROUNDS = {True: 150, False: 800}  # quick or not
 PRICE_SETTLE = {True: 10, False: 50}  # periods
 DRIFT_SEEDS, DRIFT_PERIODS = {True: 8, False: 16}, {True: 100, False: 300}  # of the drift
-BARE = Variant(NOTHING, frozenset())
 
 
 def rows() -> dict[str, Effect]:
@@ -47,11 +46,10 @@ def rows() -> dict[str, Effect]:
     return {name: effect for group in GROUPS.values() for name, effect in group.items()}
 
 
-def _series(engine: Engine, variant: Variant) -> Series | None:
-    """Arrays for the means that a run samples; None if the variant has no series."""
-    if "series" not in variant.diagnostics:
-        return None
-    return engine.series(PRICE_SETTLE[False] + 2 * PLACES)
+def _ready(variant: Variant) -> tuple[Engine, Series | None]:
+    """Engine of a variant, and arrays for the means that a run samples, if it has the series."""
+    engine, sampled = variant.engine(), "series" in variant.diagnostics
+    return engine, engine.series(PRICE_SETTLE[False] + 2 * PLACES) if sampled else None
 
 
 def _settled(settle: int) -> tuple[list[Place], list[Place]]:
@@ -71,10 +69,9 @@ def _settled(settle: int) -> tuple[list[Place], list[Place]]:
     return moving, still
 
 
-def _call(variant: Variant, places: list[Place]) -> Callable[[], float]:
+def _call(engine: Engine, series: Series | None, places: list[Place]) -> Callable[[], float]:
     """Time of a step of a rod, mean over the places; the call and the restart do not count."""
-    engine = variant.engine()
-    series, steps = _series(engine, variant), engine.per // PART
+    steps = engine.per // PART
 
     def sample() -> float:
         seconds = 0.0
@@ -92,9 +89,9 @@ def _call(variant: Variant, places: list[Place]) -> Callable[[], float]:
     return sample
 
 
-def _kernel(engine: Engine, variant: Variant) -> tuple:
+def _kernel(engine: Engine, series: Series | None) -> tuple:
     """What decides which kernel runs: the types of all that it takes."""
-    watchers = engine.watchers._replace(series=_series(engine, variant))
+    watchers = engine.watchers._replace(series=series)
     return tuple(map(numba.typeof, (engine.effects, engine.state, watchers)))
 
 
@@ -118,12 +115,11 @@ def _drifts(quick: bool) -> np.ndarray:
 def data(quick: bool = False) -> Data:
     """Prices in ns per step of a rod, (value, error, interquartile range) of each row."""
     load, effects = os.getloadavg()[0], rows().values()
-    every = variants([*effects, Effect((BARE, BARE), (FULL, FULL))])
-    couples = [(variant.engine(), variant) for variant in every]
-    for engine, variant in waited(couples, "compiling"):
-        engine.go(0, _series(engine, variant))
+    every = variants(effects)
     moving, still = _settled(PRICE_SETTLE[quick])
-    calls = [_call(one, moving if one.engine().scene.vibrates else still) for one in every]
+    couples, calls = [*map(_ready, every)], []
+    for engine, series in waited(couples, "compiling"):
+        calls.append(_call(engine, series, moving if engine.scene.vibrates else still))
     times = 1e9 * steady(in_turn(calls, ROUNDS[quick]))
 
     def price(*pair: Variant) -> tuple[float, ...]:
@@ -136,10 +132,10 @@ def data(quick: bool = False) -> Data:
         first, second = (couples[every.index(one)] for one in effect.within)
         return what(*first) == what(*second)
 
-    def after(engine: Engine, variant: Variant) -> bytes:
+    def after(engine: Engine, series: Series | None) -> bytes:
         """Bytes of the rods some way on from the first place."""
         engine.restore(*moving[0])
-        engine.go(engine.per // PART, _series(engine, variant))
+        engine.go(engine.per // PART, series)
         return engine.rods.tobytes()
 
     return {

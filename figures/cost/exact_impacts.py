@@ -31,7 +31,7 @@ def _map() -> dict[str, Any]:
     return loaded(KERNEL.read_text("utf-8"), choices(bool) | whole_sums(mpmath.sqrt, 0))
 
 
-def exact(row: Any, law: str = "newton") -> tuple[Regime, tuple]:
+def exact(row: Any, law: str) -> tuple[Regime, tuple]:
     """Regime and the `FIELDS` of one impact that approaches, in the digits of `row`'s numbers."""
     space = _map()
     c_x, c_z, omega, regime, P_x, P_z, *_ = space["impact"](space[law], row)
@@ -77,8 +77,7 @@ def reference(impacts: Impacts, law: str = "newton") -> Reference:
             low[:, i] = [float(value - float(value)) for value in values]
     c_x, c_z, omega, V_z, X, Z, k = impacts[:7]
     P_x, P_z = np.abs(high[2:4])
-    sizes = [c_x, c_z - V_z, omega * X, omega * Z, P_x, P_z]
-    size = np.max(np.abs(sizes), axis=0)
+    size = np.max(np.abs([c_x, c_z - V_z, omega * X, omega * Z, P_x, P_z]), axis=0)
     turn = np.maximum(np.abs(omega), (np.abs(X) * P_z + np.abs(Z) * P_x) / (k * k))
     scale = np.concatenate([np.maximum(size, np.abs(high[:4])), [turn]])
     return Reference(regime, high, low, scale)

@@ -32,8 +32,7 @@ def _machine(found: Found) -> str:
 @style
 def draw(found: Found) -> plt.Figure:
     """Main panels of the figures of prices, from their data."""
-    size = 7.0, sum(HEIGHTS)
-    figure, axes = plt.subplot_mosaic(LAYOUT, figsize=size, height_ratios=HEIGHTS)
+    figure, axes = plt.subplot_mosaic(LAYOUT, figsize=(7.0, sum(HEIGHTS)), height_ratios=HEIGHTS)
     for name, ax in axes.items():
         load(name).panel(ax, found[name])
     name_panels(axes.values(), map(PRICE_PANELS.get, axes))

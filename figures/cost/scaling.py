@@ -25,11 +25,13 @@ from md.scene import from_tables, put
 from md.sweep import execute
 
 from ..lib.runs import SIMPLE_ROW, planned, starts
-from ..lib.style import BLACK, BLUE, Data, note, painted, style
+from ..lib.style import BLACK, BLUE, Data, log_log, note, painted, style
 from ..lib.timing import estimate, in_turn, machine_line, onward, steady, waited
 
-_SIZES = (10, 20, 40, 80, 160, 320, 640, 1250, 2500, 5000)
-ROW_SIZES = {True: (10, 40, 160, 640, 2500, 5000), False: _SIZES}
+ROW_SIZES = {
+    True: (10, 40, 160, 640, 2500, 5000),
+    False: (10, 20, 40, 80, 160, 320, 640, 1250, 2500, 5000),
+}
 LEAST = 320  # rods a sample is about, with one period each
 SPACING = SIMPLE_ROW["box"]["length"] / SIMPLE_ROW["rods"]["count"]
 RUNS_PER_CORE, SWEEP_PERIODS = 4, 40  # of each core, and of each run
@@ -85,8 +87,7 @@ def _sweeping(workers: int) -> Callable[[], float]:
 
 def _estimates(samples: np.ndarray) -> np.ndarray:
     """Value, error and interquartile range of each call, (calls, 3), in ns."""
-    times = 1e9 * steady(samples)
-    return np.array([estimate(times[..., call]) for call in range(times.shape[-1])])
+    return np.array([estimate(1e9 * times) for times in steady(samples).T])
 
 
 def data(quick: bool = False) -> Data:
@@ -94,18 +95,16 @@ def data(quick: bool = False) -> Data:
     load = os.getloadavg()[0]
     counts = ROW_SIZES[quick]
     rows = [_periods(count, SCALING_SETTLE[quick]) for count in waited(counts, "settling", "row")]
-
     by_count = in_turn(rows, SCALING_ROUNDS[quick])
     cores = cpu_count()
     workers = np.unique(np.geomspace(1, cores, min(cores, CORE_LEVELS)).round().astype(int))
     sweeps = [_sweeping(int(count)) for count in workers]
-    by_workers = in_turn(sweeps, REPEATS[quick])
     return {
         "counts": np.array(counts),
         "row": _estimates(by_count),
         "steps_per_period": np.int64(prepare(_row(40)).per),
         "workers": workers,
-        "sweep": _estimates(by_workers),
+        "sweep": _estimates(in_turn(sweeps, REPEATS[quick])),
         "load": load,
     }
 
@@ -128,7 +127,7 @@ def panel(ax: Axes, d: Data) -> None:
     guide = np.median(ms / counts) * counts
     ax.plot(counts, guide, "--", color="0.55", lw=0.8, label="proportional to $N$")
     ax.errorbar(counts, ms, half, fmt="o", color=BLUE, ms=3, lw=0.8, label="measured")
-    ax.set(xscale="log", yscale="log", xlabel="number of rods $N$", ylabel="time of a period (ms)")
+    log_log(ax, xlabel="number of rods $N$", ylabel="time of a period (ms)")
     rate = _throughput(d)[0]
     gains = [*zip(d["workers"], rate / rate[0], strict=True)][1:]
     words = [f"{np.median(d['row'][:, 0]):.1f} ns per step of a rod"]

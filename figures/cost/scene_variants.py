@@ -37,8 +37,8 @@ class Variant(NamedTuple):
 
     def engine(self) -> Engine:
         """Engine of the scene, at its start."""
-        asked = {name: name in self.diagnostics for name in ("ledger", "touches")}
-        return prepare(self.scene, **asked)
+        named = self.diagnostics
+        return prepare(self.scene, ledger="ledger" in named, touches="touches" in named)
 
 
 class Effect(NamedTuple):
@@ -88,6 +88,7 @@ def _zero(key: str, base: Changes) -> Effect:
 
 OPEN = {"box": "none", "start.tilt_deg": TILT_DEG}  # which the box gives otherwise
 NOTHING = dict.fromkeys(("gravity", "plate", "contacts.plate", "contacts.rods"), "none") | OPEN
+BARE = _bare(NOTHING)
 SMOOTH = {"law": "coulomb", "restitution": 1.0}
 LOSSY = {"law": "coulomb", "restitution": RESTITUTION}
 SPRING = {
@@ -151,8 +152,8 @@ GROUPS = {"effect": EFFECTS, "instead": INSTEAD, "off": OFF}
 
 
 def variants(effects: Iterable[Effect]) -> list[Variant]:
-    """Variants that effects name, each once; the full scene first."""
-    found = [FULL]
+    """The full scene, the bare one, and other variants that effects name, each once."""
+    found = [FULL, BARE]
     for effect in effects:
         found += [one for one in chain(effect.alone, effect.within) if one not in found]
     return found

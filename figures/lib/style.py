@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import BoundaryNorm, LinearSegmentedColormap, ListedColormap
 from matplotlib.figure import Figure
 
-from impact import Regime, spherocylinder
+from impact import Regime
 
 Data = dict[str, Any]  # of a figure: arrays, numbers, words by name
 Look = dict[str, Any]  # options of Matplotlib
@@ -69,12 +69,6 @@ SHAPE_COLOURS = {"thin": THEORY, "round": RIGID, "flat": PURPLE}
 WARM = LinearSegmentedColormap.from_list("warm", ["#FFFFFF", ORANGE, RED])
 
 
-def hit_again_tilt(length: float, restitution: float) -> float:
-    """Tilt [rad] X^2 = epsilon k^2 from which on a stationary rod is hit again at once."""
-    upright, flat = spherocylinder(0.0, length), spherocylinder(np.pi / 2, length)
-    return float(np.arcsin(np.sqrt(restitution) * upright.k / flat.X))
-
-
 def tilt_axis(ax: Axes, low: float = 0, high: float = 90, step: float = 15) -> None:
     ax.set(xlabel=r"tilt $\phi$ (deg)", xlim=(low, high), xticks=np.arange(low, high + 1, step))
 
@@ -102,6 +96,11 @@ def painted(
         panel(ax, d)
     name_panels(axes.flat, panels)
     return figure
+
+
+def log_log(ax: Axes, **look: Any) -> None:
+    """Give a panel two logarithmic axes; `look`: their limits and names."""
+    ax.set(xscale="log", yscale="log", **look)
 
 
 def zero_line(ax: Axes) -> None:
@@ -169,9 +168,9 @@ def curve(
     points(ax, d[x], scale * d[y][at], error, colour, label=label, **look)
 
 
-def note(figure: Figure, words: str) -> None:
+def note(figure: Figure, words: Any) -> None:
     """Write what holds for all panels below them, in as many lines as it takes."""
-    figure.supxlabel(words, wrap=True)
+    figure.supxlabel(str(words), wrap=True)
 
 
 def legend_above(figure: Figure, ax: Axes, **look: Any) -> None:

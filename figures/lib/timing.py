@@ -21,6 +21,8 @@ from md.host import Engine, prepare
 from md.kernels.march import Series
 from md.scene import Scene
 
+SAMPLES = 7  # whose median is the time of a call
+SAMPLE_PERIODS, SETTLE_PERIODS = 6, 20  # of a scene: of a sample, before the first
 LONG_ENOUGH = 1e-3  # seconds of one sample
 MEDIAN_ERROR = 1.2533 / 1.349  # of the median of n normal values: this times their iqr / sqrt(n)
 
@@ -54,7 +56,7 @@ def in_turn(calls: Sequence[Callable[[], float]], rounds: int, seed: int = 0) ->
     return samples
 
 
-def medians(calls: Sequence[Callable[[int], Any]], runs: int = 7) -> np.ndarray:
+def medians(calls: Sequence[Callable[[int], Any]], runs: int) -> np.ndarray:
     """Median seconds of each of several calls, taken in turn, after two that do not count.
 
     Parameters
@@ -110,24 +112,15 @@ def onward(engine: Engine, steps: int, series: Series | None = None) -> float:
     return seconds
 
 
-def seconds_per_period(
-    scenes: Sequence[Scene], rounds: int = 7, periods: int = 6, settle: int = 20
-) -> np.ndarray:
-    """Median processor seconds of a period of each scene under way, without an energy ledger.
-
-    Parameters
-    ----------
-    scenes : timed in turn
-    rounds, periods : samples of each, and their length
-    settle : periods before
-    """
+def seconds_per_period(scenes: Sequence[Scene]) -> np.ndarray:
+    """Median processor seconds of a period of each scene under way, without an energy ledger."""
 
     def sampler(scene: Scene) -> Callable[[], float]:
         engine = prepare(scene, ledger=False)
-        onward(engine, settle * engine.per)
-        return lambda: onward(engine, periods * engine.per) / periods
+        onward(engine, SETTLE_PERIODS * engine.per)
+        return lambda: onward(engine, SAMPLE_PERIODS * engine.per) / SAMPLE_PERIODS
 
-    return np.median(in_turn([*map(sampler, scenes)], rounds), axis=0)
+    return np.median(in_turn([*map(sampler, scenes)], SAMPLES), axis=0)
 
 
 def machine_line(load: float) -> str:

@@ -205,7 +205,7 @@ def draw(d: Data) -> plt.Figure:
     driving = rf"$\Gamma={d['driving']:.3g}$"
     many = rf"$N={d['many']}$, {driving}"
     name_panels(axes.flat, (driving, "", many, many))
-    note(figure, str(d["words"]))
+    note(figure, d["words"])
     return figure
 
 

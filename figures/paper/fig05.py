@@ -112,5 +112,5 @@ def draw(d: Data) -> plt.Figure:
     shown = zip(counts, tilts, strict=True)
     titles = (rf"$N={n}$, mean tilt {tilt.mean():.0f}°" for n, tilt in shown)
     name_panels((a, b, c, e), (*titles, "", ""))
-    note(figure, str(d["words"]))
+    note(figure, d["words"])
     return figure

@@ -50,8 +50,13 @@ def data(quick: bool = False, scene: str | None = None) -> Data:
     found |= _in_cm(found, row.scene)
     fine, speed = np.radians(np.linspace(1, 89, 177)), row.scene.plate_speed * row.scene.cm_per_s
     line = drift(row.rod(fine), **row.setting, plate_velocity=speed / 2)
-    lines = {"fine_deg": np.degrees(fine), "line_c_x": line.c_x, "line_c_z": line.c_z}
-    return {**found, **lines, "words": row.words}
+    return {
+        **found,
+        "fine_deg": np.degrees(fine),
+        "line_c_x": line.c_x,
+        "line_c_z": line.c_z,
+        "words": row.words,
+    }
 
 
 def _in_cm(found: Data, scene: Scene) -> Data:
@@ -63,7 +68,7 @@ def _in_cm(found: Data, scene: Scene) -> Data:
     }
 
 
-def _pair(ax: Axes, d: Data, name: str, sign: int = 1, label: str = "") -> None:
+def _pair(ax: Axes, d: Data, name: str, label: str, sign: int = 1) -> None:
     """Draw a velocity before (black) and after (orange), of touches and of landings."""
     before = "before", BLACK, sign, f"-{label}" if sign < 0 else label
     for side, colour, turn, symbol in (before, ("after", ORANGE, 1, f"{label}'")):
@@ -86,12 +91,12 @@ def _pair(ax: Axes, d: Data, name: str, sign: int = 1, label: str = "") -> None:
 def draw(d: Data) -> plt.Figure:
     figure, axes = plt.subplots(2, 2, figsize=(7.0, 5.0))
     (a, b), (c, e) = axes
-    _pair(a, d, "omega", 1, r"\omega")
+    _pair(a, d, "omega", r"\omega")
     a.set_ylabel(r"angular velocity (rad/s)")
-    _pair(b, d, "c_z", -1, "c_z")
+    _pair(b, d, "c_z", "c_z", -1)
     b.plot(d["fine_deg"], d["line_c_z"], color=THEORY, label=r"(30), $V_0/2$")
     b.set_ylabel("vertical velocity (cm/s)")
-    _pair(c, d, "c_x", 1, "c_x")
+    _pair(c, d, "c_x", "c_x")
     c.plot(d["fine_deg"], d["line_c_x"], color=THEORY, label=r"(24), (29), $V_0/2$")
     c.set_ylabel("horizontal velocity (cm/s)")
     curve(e, d, "tilt_deg", "plate", BLACK, "touches, each alike")
@@ -105,5 +110,5 @@ def draw(d: Data) -> plt.Figure:
         zero_line(ax)
         ax.legend()
     name_panels(axes.flat, [""] * 4)
-    note(figure, str(d["words"]))
+    note(figure, d["words"])
     return figure

@@ -80,5 +80,5 @@ def draw(d: Data) -> plt.Figure:
     rods = np.where(apart, "three rods", "three rods, one on another")
     tilted = (rf"$\phi={tilt}$°, {words}" for tilt, words in zip(TIP_TILTS_DEG, rods, strict=True))
     name_panels((a, b, c), (*tilted, "length of flights"))
-    note(figure, str(d["words"]))
+    note(figure, d["words"])
     return figure

@@ -24,7 +24,6 @@ from ..lib.style import (
     THEORY,
     Data,
     curve,
-    hit_again_tilt,
     name_panels,
     note,
     shades,
@@ -80,7 +79,7 @@ def data(
     over_tilt = [run(tilt, GAMMA) for tilt in tilts]
     over_gamma = [[run(np.radians(deg), gamma) for gamma in gammas] for deg in ALPHA_TILTS_DEG]
     fine = np.concatenate([1 + np.geomspace(1e-4, 0.1, 30), np.linspace(1.11, np.hypot(1, np.pi))])
-    upright = spherocylinder(0.0, length)
+    upright, flat = spherocylinder(0.0, length), spherocylinder(np.pi / 2, length)
     inelastic = [
         bounce(upright, gamma=g, friction=friction, restitution=0.0, landings=1).alpha.mean
         for g in fine
@@ -91,7 +90,7 @@ def data(
         **_sweep("tilt", over_tilt),
         "tilt_flights": np.array([each.flights.mean for each in over_tilt]),
         "steady_c_x": drift(spherocylinder(tilts, length), **setting).c_x,
-        "again_tilt": hit_again_tilt(length, restitution),
+        "again_tilt": np.arcsin(np.sqrt(restitution) * upright.k / flat.X),
         **setting,
         "length": length,
         "gammas": gammas,
@@ -104,17 +103,16 @@ def data(
 
 def _over_tilt(axes, d: Data) -> None:
     d = {**d, "deg": np.degrees(d["tilt"])}
-    again, ax = np.degrees(d["again_tilt"]), axes[0]
-    curve(ax, d, "deg", "tilt_alpha", SKY, "every landing alike", ms=2)
-    curve(ax, d, "deg", "tilt_alpha_impulse", RIGID, "weighted by impulse", ms=2)
-    ax.axhline(0.5, color=THEORY, ls="--", label="Eq. (31): 1/2")
-    ax.set_ylabel(r"$\alpha=\langle V_z\rangle/V_0$")
-    zero_line(ax)
+    again, (a, b, c) = np.degrees(d["again_tilt"]), axes
+    curve(a, d, "deg", "tilt_alpha", SKY, "every landing alike", ms=2)
+    curve(a, d, "deg", "tilt_alpha_impulse", RIGID, "weighted by impulse", ms=2)
+    a.axhline(0.5, color=THEORY, ls="--", label="Eq. (31): 1/2")
+    a.set_ylabel(r"$\alpha=\langle V_z\rangle/V_0$")
+    zero_line(a)
 
-    ax = axes[1]
     share = d["tilt_flights"].T / 16
     length = np.arange(len(share)) / 16
-    ax.pcolormesh(
+    b.pcolormesh(
         d["deg"],
         length,
         np.sqrt(share),
@@ -124,41 +122,40 @@ def _over_tilt(axes, d: Data) -> None:
         shading="nearest",
         rasterized=True,
     )
-    curve(ax, d, "deg", "tilt_flight", RIGID, "mean", ms=2)
-    ax.set(ylabel="flight (periods)", ylim=(0, 3.2))
-    ax.plot([], [], ":", color=BLACK, label=rf"$X^2=\epsilon k^2$, {again:.1f}°")
+    curve(b, d, "deg", "tilt_flight", RIGID, "mean", ms=2)
+    b.set(ylabel="flight (periods)", ylim=(0, 3.2))
+    b.plot([], [], ":", color=BLACK, label=rf"$X^2=\epsilon k^2$, {again:.1f}°")
 
-    ax = axes[2]
-    curve(ax, d, "deg", "tilt_drift", RIGID, "computed", ms=2)
+    curve(c, d, "deg", "tilt_drift", RIGID, "computed", ms=2)
     steady, label = d["steady_c_x"], r"(24), computed $\alpha$"
-    ax.plot(d["deg"], steady * d["tilt_alpha_impulse"], color=THEORY, lw=0.8, label=label)
-    ax.plot(d["deg"], steady / 2, "--", color=THEORY, label=r"(24), $\alpha=1/2$")
-    ax.set(ylabel=r"drift / $V_0$", ylim=(0, 1.45 * d["tilt_drift"].max()))
+    c.plot(d["deg"], steady * d["tilt_alpha_impulse"], color=THEORY, lw=0.8, label=label)
+    c.plot(d["deg"], steady / 2, "--", color=THEORY, label=r"(24), $\alpha=1/2$")
+    c.set(ylabel=r"drift / $V_0$", ylim=(0, 1.45 * d["tilt_drift"].max()))
     for ax in axes:
         tilt_axis(ax, 0, 75)
         ax.axvline(again, color=BLACK, lw=0.8, ls=":")
         ax.legend()
-    ax.legend(loc="upper right")
+    c.legend(loc="upper right")
 
 
 def _over_gamma(axes, d: Data) -> None:
+    a, b, c = axes
     for i, colour in enumerate(shades(len(d["gamma_tilt"]))):
         label = rf"$\phi={np.degrees(d['gamma_tilt'][i]):.0f}$°"
         for ax, name in zip(axes, ("alpha_impulse", "drift", "rest"), strict=True):
             curve(ax, d, "gammas", f"gamma_{name}", colour, label, at=i, ms=2)
-    still = d["inelastic_gamma"], d["inelastic_alpha"]
-    axes[0].plot(*still, ":", color=BLACK, label=r"$\epsilon=0$")
-    axes[0].set(ylabel=r"$\alpha$, weighted by impulse", ylim=(-1.1, 1.1))
-    zero_line(axes[0])
-    axes[1].set_ylabel(r"drift / $V_0$")
-    zero_line(axes[1])
-    axes[1].axvline(EXPERIMENT, color=BLACK, lw=0.8, ls=":", label="experiment")
-    axes[2].set(ylabel="part of the time at rest", ylim=(-0.02, 1))
+    a.plot(d["inelastic_gamma"], d["inelastic_alpha"], ":", color=BLACK, label=r"$\epsilon=0$")
+    a.set(ylabel=r"$\alpha$, weighted by impulse", ylim=(-1.1, 1.1))
+    zero_line(a)
+    b.set_ylabel(r"drift / $V_0$")
+    zero_line(b)
+    b.axvline(EXPERIMENT, color=BLACK, lw=0.8, ls=":", label="experiment")
+    c.set(ylabel="part of the time at rest", ylim=(-0.02, 1))
     for ax in axes:
         ax.set(xlabel=r"acceleration $\Gamma$", xlim=(0.9, 5.1), xticks=range(1, 6))
-    axes[0].legend(handles=axes[0].lines[-2:-1])
-    axes[1].legend(handles=axes[1].lines[-1:])
-    axes[2].legend(title="tilt")
+    a.legend(handles=a.lines[-2:-1])
+    b.legend(handles=b.lines[-1:])
+    c.legend(title="tilt")
 
 
 @style
