@@ -44,43 +44,36 @@ class Soft(NamedTuple):
     regime: np.ndarray  # of `impact.Regime`
 
 
-def one_impact(tilt: float, law: md.Law, speed: float = 1.0, **how: Any) -> md.Impact:
-    """The impact at one tilt [rad] with c_z = -speed [sqrt(g d)]; `how` as in `md.impact`."""
+def one_impact(tilt: float, law: md.Law, **how: Any) -> md.Impact:
+    """The impact at one tilt [rad] with c_z = -1 [sqrt(g d)]; `how` as in `md.impact`."""
     how = {"friction": IMPACT_FRICTION, "rod": ROD, **how}
-    return md.impact(float(tilt), speed / APPROACH_RATIO, -speed, law=law, **how)
+    return md.impact(float(tilt), 1 / APPROACH_RATIO, -1.0, law=law, **how)
 
 
 def simulate(
     tilt: np.ndarray,
     law: md.Law,
     *,
-    speed: float = 1.0,
     integrator: str = "verlet",
     refine: int = 32,
     **scene: Any,
 ) -> Soft:
-    """Simulated impacts at each tilt [rad], as `one_impact`, c_z = -speed [sqrt(g d)].
+    """Simulated impacts at each tilt [rad], as `one_impact`.
 
     The step is the default one, at most a hundredth of the contact time, over `refine`; with
     "dop853" every switch is located instead. `scene`: rod or friction, if they are others.
     """
 
     def hit(phi: float, **how: float) -> md.Impact:
-        return one_impact(phi, law, speed, integrator=integrator, **scene, **how)
+        return one_impact(phi, law, integrator=integrator, **scene, **how)
 
     if integrator == "dop853":
         hits = [hit(phi, tolerance=1e-12) for phi in tilt]
     else:
         hits = [hit(phi, dt=hit(phi).dt / refine) for phi in tilt]
-    rows = [(h.c_x / speed, h.c_z / speed, h.restitution) for h in hits]
+    rows = [(h.c_x, h.c_z, h.restitution) for h in hits]
     regimes = [Regime[h.regime.upper().replace("-", "_")] for h in hits]
     return Soft(*np.array(rows).T, np.array(regimes, np.int8))
-
-
-def arms(tilt: np.ndarray, rod: md.Rod = ROD) -> ContactGeometry:
-    """Contact geometry of a rod of the simulation at tilts [rad]."""
-    half, k = rod.half_length, np.sqrt(rod.gyration_squared)
-    return ContactGeometry(half * np.sin(tilt), half * np.cos(tilt) + 0.5, k)
 
 
 def rigid(
@@ -91,9 +84,15 @@ def rigid(
     friction: float = IMPACT_FRICTION,
 ) -> Collision:
     """Rigid impacts at tilts [rad], velocities over |c_z|; -v_f/v_0 is `normal_velocity`."""
-    given = {"geometry": arms(tilt, rod), "friction": friction, "law": law}
-    given["restitution"] = np.clip(restitution, 0.0, 1.0)  # a measured one may end above 1
-    return collide(1 / APPROACH_RATIO, -1.0, **given)
+    half, k = rod.half_length, np.sqrt(rod.gyration_squared)
+    return collide(
+        1 / APPROACH_RATIO,
+        -1.0,
+        geometry=ContactGeometry(half * np.sin(tilt), half * np.cos(tilt) + 0.5, k),
+        friction=friction,
+        restitution=np.clip(restitution, 0.0, 1.0),  # a measured one may end above 1
+        law=law,
+    )
 
 
 def distance(a: Soft | Collision, b: Soft | Collision) -> np.ndarray:
@@ -101,12 +100,12 @@ def distance(a: Soft | Collision, b: Soft | Collision) -> np.ndarray:
     return np.sqrt(np.mean((a.c_x - b.c_x) ** 2 + (a.c_z - b.c_z) ** 2, axis=-1))
 
 
-def compared(soft: Soft, theory: Collision) -> tuple[float, int]:
+def compared(soft: Soft, theory: Collision) -> tuple[np.ndarray, np.ndarray]:
     """`distance` of simulated impacts from the theory's, and how many regimes agree."""
-    return distance(soft, theory), int(np.sum(soft.regime == theory.regime))
+    return distance(soft, theory), np.sum(soft.regime == theory.regime, axis=-1)
 
 
-def from_theory(law: md.Law, **how: Any) -> tuple[float, int]:
+def from_theory(law: md.Law, **how: Any) -> tuple[np.ndarray, np.ndarray]:
     """Impacts at `TABLE_TILTS`, `compared` with the theory at the restitution of each.
 
     Parameters

@@ -63,17 +63,18 @@ def data(
     tilt = np.radians(np.linspace(0, 89, 90) if not quick else np.arange(0, 90, 5))
     edges = np.radians(np.linspace(0, 90, 181 if quick else 1801))
     line = (edges[1:] + edges[:-1]) / 2
-    soft = [simulate(tilt, law, **scene) for law in laws]
-    fine = [simulate(tilt, law, refine=64, **scene) for law in laws]
-    coarse = [simulate(TABLE_TILTS, law, **scene) for law in laws]
-    measured = np.array([compared(s, rigid(TABLE_TILTS, s.restitution, **scene)) for s in coarse])
+
+    def of_laws(tilt: np.ndarray, **how: int) -> Soft:
+        impacts = [simulate(tilt, law, **scene, **how) for law in laws]
+        return Soft(*map(np.array, zip(*impacts, strict=True)))
+
+    soft, coarse = of_laws(tilt), of_laws(TABLE_TILTS)
+    rms, right = compared(coarse, rigid(TABLE_TILTS, coarse.restitution, **scene))
     theory = {law: rigid(line, restitution, law=law, **scene) for law in RESTITUTION_LAWS}
-    at_tilts = [rigid(tilt, restitution, law=law, **scene) for law in RESTITUTION_LAWS]
-    at_measured = [rigid(tilt, s.restitution, **scene) for s in soft]
-    at_constant = rigid(TABLE_TILTS, restitution, **scene)
+    at_measured = rigid(tilt, soft.restitution, **scene)
 
     def off(theory: Collision) -> np.ndarray:
-        return np.hypot(soft[0].c_x - theory.c_x, soft[0].c_z - theory.c_z)
+        return np.hypot(soft.c_x - theory.c_x, soft.c_z - theory.c_z)[0]
 
     return {
         "tilt": tilt,
@@ -81,20 +82,22 @@ def data(
         "line_edges": edges,
         "epsilon": restitution,
         "words": scene_words(friction, length),
-        **{field: np.array([getattr(s, field) for s in soft]) for field in Soft._fields},
-        "measured_c_x": np.array([r.c_x for r in at_measured]),
-        "measured_c_z": np.array([r.c_z for r in at_measured]),
+        **soft._asdict(),
+        "measured_c_x": at_measured.c_x,
+        "measured_c_z": at_measured.c_z,
         "line_c_x": theory["newton"].c_x,
         "line_c_z": theory["newton"].c_z,
         "line_regime": theory["newton"].regime,
         "line_restitution": np.array([theory[law].normal_velocity for law in RESTITUTION_LAWS]),
         # distance of the first law's symbols from each theory at the constant, and at the measured
-        "off": np.array([off(each) for each in at_tilts]),
-        "off_measured": off(at_measured[0]),
-        "step_error": np.array([distance(a, b) for a, b in zip(soft, fine, strict=True)]),
-        "rms_constant": np.array([distance(s, at_constant) for s in coarse]),
-        "rms_measured": measured[:, 0],
-        "regimes_right": measured[:, 1].astype(int),
+        "off": np.array(
+            [off(rigid(tilt, restitution, law=law, **scene)) for law in RESTITUTION_LAWS]
+        ),
+        "off_measured": off(at_measured),
+        "step_error": distance(soft, of_laws(tilt, refine=64)),
+        "rms_constant": distance(coarse, rigid(TABLE_TILTS, restitution, **scene)),
+        "rms_measured": rms,
+        "regimes_right": right,
     }
 
 
