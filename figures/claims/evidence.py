@@ -13,6 +13,7 @@ from ..lib import runs
 from ..lib.data import figure_data
 from ..paper import fig04, fig05
 from . import over_tilt
+from .uncertainty import Number, standard
 
 
 class Whole(dict):
@@ -60,11 +61,11 @@ class Evidence:
         return Whole(over_tilt.table(runs.tilt_plan(self.quick), runs.tilts(self.quick)))
 
     @cached_property
-    def census(self) -> dict[str, np.ndarray]:
-        """Measures of the touches of one row, each with its standard error."""
+    def census(self) -> dict[str, Number]:
+        """Measures of the touches of one row."""
         names = "slide", "residual", "isolated_residual", "disturbed"
         found = runs.gathered(landing_census.one_row(self.quick), *names)
-        return dict(zip(names, found, strict=True))
+        return {name: standard(*pair) for name, pair in zip(names, found, strict=True)}
 
 
 class Assumed(Evidence):

@@ -83,9 +83,8 @@ def _judged(claim: dict[str, Any], evidence: Any) -> dict[str, Any]:
         measured = measure(claim["id"], evidence)
     except NO_DATA as failure:
         trouble = f"{type(failure).__name__}: {' '.join(str(failure).split())}"
-    rows = []
-    for limits in claim["numbers"]:
-        rows.append(judged_number(Number(*measured.get(limits["key"], (math.nan,))), limits))
+    unknown = Number(math.nan)
+    rows = [judged_number(measured.get(row["key"], unknown), row) for row in claim["numbers"]]
     return {**claim, "numbers": rows, "trouble": trouble}
 
 
@@ -122,8 +121,13 @@ def judge(quick: bool = False, progress: bool = False, out: Path | None = None) 
         if claim["figure"] in ASSUMED:
             found["assumed"] = _told(_judged(claim, simple))
         judged.append(found)
-    made = machine() | {"system": platform.system(), "md": digest()}
-    made |= {"impact": DIGEST, "quick": quick}
+    made = {
+        **machine(),
+        "system": platform.system(),
+        "md": digest(),
+        "impact": DIGEST,
+        "quick": quick,
+    }
     return {"provenance": made, "any_rods": any_rods.told(surveyed), "claims": judged}
 
 

@@ -106,16 +106,20 @@ def zigzag(d: Data) -> Numbers:
     best = int(np.argmax(np.where(low, order, -np.inf)))
     at = int(np.argmin(np.abs(d["mean"] - REGION_TILT_DEG)))
 
-    def first(d, values):
+    def first(values):
         """Tilt at which the values first become negative, between two numbers of rods."""
-        rank = np.argsort(d["mean"])
-        return crossing(d["mean"][rank], values[rank], 0)
+
+        def tilt(d):
+            rank = np.argsort(d["mean"])
+            return crossing(d["mean"][rank], values(d)[rank], 0)
+
+        return tilt
 
     return {
         "order": entry(d, "zigzag", best),
         "tilt": entry(d, "mean", best),
-        "broken": resampled(d, lambda d: first(d, d["zigzag"] - HALF_ORDER), "mean", "zigzag"),
-        "appears": resampled(d, lambda d: first(d, REGION_DEG - d["contrast"]), "mean", "contrast"),
+        "broken": first(lambda d: d["zigzag"] - HALF_ORDER),
+        "appears": first(lambda d: REGION_DEG - d["contrast"]),
         "rods": count(d["count"][at]),
         "leaning": entry(d, "mean", at),
         **{name: entry(d, name, at) for name in ("share", "contrast", "spread")},

@@ -142,16 +142,10 @@ def over_length(d: Data) -> Numbers:
         slope, at = np.polyfit(length[grows], d["c_c_x"][grows], 1)
         return -at / slope
 
-    def saturation(d):
-        return crossing(length, -d["c_c_x"], -0.9 * d["c_c_x"][long].mean())
-
-    def off(d):
-        return off_line(length[grows], d["c_c_x"][grows]) / d["c_c_x"][grows][-1]
-
     return {
         "zero": zero,
-        "bend": off,
-        "saturation": saturation,
+        "bend": lambda d: off_line(length[grows], d["c_c_x"][grows]) / d["c_c_x"][grows][-1],
+        "saturation": lambda d: crossing(length, -d["c_c_x"], -0.9 * d["c_c_x"][long].mean()),
         "spread": lambda d: np.ptp(d["c_c_x"][long]) / d["c_c_x"][long].mean(),
         "peak": peak(d, "length", "c_c_x"),
     }
@@ -165,15 +159,15 @@ def gear(_: Evidence) -> Numbers:
 
 @measures("S21")
 def slides(data: Evidence) -> Numbers:
-    return {"weighted": standard(*data.census["slide"])}
+    return {"weighted": data.census["slide"]}
 
 
 @measures("S22")
 def isolated(data: Evidence) -> Numbers:
     return {
-        "map": standard(*data.census["residual"]),
-        "map_isolated": standard(*data.census["isolated_residual"]),
-        "disturbed": standard(*data.census["disturbed"]),
+        "map": data.census["residual"],
+        "map_isolated": data.census["isolated_residual"],
+        "disturbed": data.census["disturbed"],
     }
 
 
@@ -276,8 +270,8 @@ def _slippery(data: Evidence) -> dict[str, np.ndarray]:
 def frequency(data: Evidence) -> Numbers:
     sweep = sweeps(data.quick)["frequency"]
     regimes = {name: f"touches.{name}.mean" for name in ("slide", "slip_stick", "slip_reversal")}
-    d, scenes = over(sweep, c_x="c_x", **regimes), [point.scene for point in sweep.points]
-    speed = np.reshape([scene.plate_speed for scene in scenes], sweep.shape)[..., 0]
+    d, speeds = over(sweep, c_x="c_x", **regimes), [p.scene.plate_speed for p in sweep.points]
+    speed = np.reshape(speeds, sweep.shape)[..., 0]
 
     def factor(d):
         scaled = d["c_x"] / speed
@@ -327,8 +321,8 @@ def without_friction(data: Evidence) -> Numbers:
 def flat_end(d: Data) -> Numbers:
     tilt, edge = d["tilt"], float(d["flat_threshold"])
     length, at = float(d["length"]), np.radians(28)
-    pair = (make(at, length) for make in (flat_ended_rod, spherocylinder))
-    flat, whole = (drift(rod, **rows.SETTING).c_x for rod in pair)
+    shapes = flat_ended_rod, spherocylinder
+    flat, whole = (drift(shape(at, length), **rows.SETTING).c_x for shape in shapes)
     beyond, below = tilt > edge, (tilt > 0) & (tilt < edge)
     at_28, ahead = int(np.argmin(np.abs(d["bounced_tilt"] - at))), tilt > 0
     bounced = np.degrees(d["bounced_tilt"])

@@ -53,14 +53,20 @@ def table(sweep: Sweep, nominal: np.ndarray, own: bool = False) -> dict[str, Any
     own : whether the theory has the friction and restitution of the row's plate, else the paper's
     """
     scene = sweep.points[0].scene
-    size = {"half_length": scene.rods.length / 2, "speed": scene.plate_speed}
     setting, plate = SETTING, scene.contacts.plate
     if own and plate:
         setting = {"friction": plate.friction, "restitution": plate.law.restitution}
     tilt = np.linspace(0.5, 89.5, 357)
     c_x = drift(thin_rod(np.radians(tilt)), **setting).c_x * scene.plate_speed * scene.cm_per_s / 2
-    line = {"theory_tilt": tilt, "theory_c_x": c_x}
-    return {"nominal": nominal, **size, **line, **means(sweep, STORED), **drift_and_tilt(sweep)}
+    return {
+        "nominal": nominal,
+        "half_length": scene.rods.length / 2,
+        "speed": scene.plate_speed,
+        "theory_tilt": tilt,
+        "theory_c_x": c_x,
+        **means(sweep, STORED),
+        **drift_and_tilt(sweep),
+    }
 
 
 def theory(d: Table, tilt_deg: np.ndarray) -> np.ndarray:

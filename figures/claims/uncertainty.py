@@ -68,18 +68,15 @@ class _Watched(dict):
     def __init__(self, given: Mapping):
         super().__init__(given)
         self.given = given
-        self.seen: list[str] = []
+        self.seen: dict[str, np.ndarray] = {}
 
     def __getitem__(self, name: str) -> np.ndarray:
-        if name not in self.seen:
-            self.seen.append(name)
-        return self.given[name]
+        return self.seen.setdefault(name, self.given[name])
 
 
 def varied(d: Mapping, names: Iterable[str], random: np.random.Generator) -> dict:
     """Arrays by name, those of `names` moved at random within their standard errors."""
-    moved = {n: random.normal(d[n], d[f"{n}_error"]) for n in names}
-    return {**d, **moved}
+    return {**d, **{n: random.normal(d[n], d[f"{n}_error"]) for n in names}}
 
 
 def resampled(d: Mapping, function: Callable[[Mapping], float], *names: str) -> Number:
