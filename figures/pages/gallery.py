@@ -27,7 +27,7 @@ from ..cost.price_page import CHECKED
 
 GALLERY = Path(__file__).resolve().parents[1] / "gallery"
 README = GALLERY.parents[1] / "README.md"
-PAGES, PARTS = ("claims.md", "costs.md", "effects.md"), ("costs", "effects", "findings")
+PARTS = "costs", "effects", "findings"  # of the README
 
 
 def _time(seconds: float) -> str:
@@ -69,10 +69,15 @@ def claims_page(report: dict[str, Any]) -> str:
     from ..lib import runs
 
     quick = report["provenance"]["quick"]
-    words: dict[str, Any] = {"report": report, "law": runs.LAW_NAME, "assumed": runs.ASSUMED_NAME}
-    words |= {"starts": len(runs.SEEDS["start.seed"]), "periods": runs.periods_of(quick)}
-    words |= {"kinds_deg": any_rods.TILTS_DEG[quick], "kinds_periods": any_rods.PERIODS[quick]}
-    return templates.get_template("claims.md.jinja").render(words)
+    return templates.get_template("claims.md.jinja").render(
+        report=report,
+        law=runs.LAW_NAME,
+        assumed=runs.ASSUMED_NAME,
+        starts=len(runs.SEEDS["start.seed"]),
+        periods=runs.periods_of(quick),
+        kinds_deg=any_rods.TILTS_DEG[quick],
+        kinds_periods=any_rods.PERIODS[quick],
+    )
 
 
 def pages() -> dict[Path, str]:

@@ -77,9 +77,9 @@ class Folder:
         (self.own if own else self.borrowed).add(path.name)
         return f"{'' if own else 'gallery/'}{quote(os.fsencode(path.name))}"
 
-    def links(self, stem: str, **labels: str) -> dict[str, str]:
-        """Labels by address of the files STEM.KIND that are there; `labels` by kind."""
-        names = {f"{stem}.{kind}": label for kind, label in labels.items()}
+    def links(self, stem: str) -> dict[str, str]:
+        """Labels by address of the files beside the picture STEM.png that are there."""
+        names = {f"{stem}.pdf": "PDF", f"{stem}.npz": "numbers"}
         return {quote(n): label for n, label in names.items() if (self.path / n).is_file()}
 
     def text(self, sentence: str) -> Markup:
@@ -119,14 +119,14 @@ def caption(name: str) -> dict[str, Any]:
 def _figure(folder: Folder, name: str) -> dict[str, Any]:
     """What is shown of a figure: its picture, and what its module says of it."""
     item = folder.picture(f"{name}.png")
-    found = {"name": name, "title": FIGURES[name].title, "item": item}
-    found["time"] = "minutes" if FIGURES[name].alone else "seconds to minutes"
+    time = "minutes" if FIGURES[name].alone else "seconds to minutes"
+    found = {"name": name, "title": FIGURES[name].title, "item": item, "time": time}
     if not item:
         return found
     return found | {
         **caption(name),
         "first_look": item.own and made(folder.path / f"{name}.npz").get("quick"),
-        "links": folder.links(name, pdf="PDF", npz="numbers") if item.own else {},
+        "links": folder.links(name) if item.own else {},
     }
 
 
@@ -168,7 +168,10 @@ def files(out: Path) -> dict[str, bytes]:
     """
     folder = Folder(out)
     tables = folder.find("prices.txt")
-    shown = {
+    given = {
+        "folder": folder,
+        "badges": BADGES,
+        "figures": FIGURES,
         "proofs": _proofs(folder),
         "pictures": [_figure(folder, name) for name in FIGURES if name not in PRICE_PANELS],
         "prices": [_figure(folder, name) for name in PRICE_PANELS],
@@ -181,7 +184,6 @@ def files(out: Path) -> dict[str, bytes]:
         raise InputError(f"out must be a folder that holds something to show, got {out}")
     if (out / "gallery").resolve() == GALLERY:
         raise InputError(f"out must not be the folder of the project's gallery, got {out}")
-    given = {"folder": folder, "badges": BADGES, "figures": FIGURES, **shown}
     main = templates.get_template("index.html").render(given)
     style = templates.get_template("index.css").render()
     page = report.document(TITLE, ABOUT, main, style)

@@ -30,8 +30,9 @@ from impact._arguments import count
 from md.host import prepare
 
 from ..lib.style import RED, style
+from ..lib.timing import onward
 
-FPS = 25
+DURATION = 40  # of a picture, in ms
 LARGEST = 5000  # pictures
 COLOURS = 16  # of all pictures
 TRACE = 32  # points a period of the lower panel, at least
@@ -88,10 +89,7 @@ def record(scene: md.Scene, periods: int = 20, frames: int = 8, progress: bool =
     series = engine.series(periods)
     steps = np.arange(periods * frames * every) * engine.per // (frames * every)
     for step in tqdm(steps.tolist(), unit=" shots", delay=2, disable=None if progress else True):
-        while engine.step < step:
-            engine.go(step - engine.step, series)
-            if engine.record is not None:
-                engine.record.count[0] = 0
+        onward(engine, step - engine.step, series)
         states.append(_rolled_out(scene, engine.rods) if scene.annulus else _in_plane(engine.rods))
         plate.append(engine.plate.height[step % engine.per] if scene.vibrates else 0.0)
     x, z, tilt = np.moveaxis(states, 1, 0)
@@ -114,10 +112,11 @@ def _rolled_out(scene: md.Scene, rods: np.ndarray) -> np.ndarray:
 
 def _window(film: Film) -> tuple[float, float, float, float]:
     """Left, right, bottom and top end of the picture, in d."""
-    half = film.scene.rods.length / 2
-    left, right = 0.0, film.length or 0.0
-    if film.length is None:
-        left, right = film.x.min() - half - 0.5, film.x.max() + half + 0.5
+    if film.length:
+        left, right = 0.0, film.length
+    else:
+        beside = film.scene.rods.length / 2 + 0.5
+        left, right = film.x.min() - beside, film.x.max() + beside
     bottom = min(film.plate.min(), film.tips.min()) - 0.8
     return left, right, bottom, (2 * film.z - film.tips).max() + 0.3
 
@@ -158,7 +157,6 @@ class Picture:
         self.trail = LineCollection([], colors=RED, linewidths=1.2, zorder=4, alpha=0.8)
         for artist in (self.rods, self.trail):
             self.row.add_collection(artist, autolim=False)
-        self.plate = self.trace = None
         if film.scene.plate:
             self.plate = self.row.axhspan(bottom - 1, 0, color=GREY, lw=0, zorder=2)
             self._lower(below / whole)
@@ -191,9 +189,8 @@ class Picture:
             words.append(f"drift {moved / seconds * film.scene.cm_per_s:+.1f} cm/s")
             words.append(f"moved {moved:+.2f} d")
         self.words.set_text("    ".join(words))
-        if self.plate is not None:
-            bottom = self.plate.get_y()
-            self.plate.set_height(film.plate[i] - bottom)
+        if film.scene.plate:
+            self.plate.set_height(film.plate[i] - self.plate.get_y())
             middle = max(film.time[i], WINDOW / 2)
             self.trace.set_xlim(middle - WINDOW / 2, middle + WINDOW / 2)
             self.now.set_xdata([film.time[i]] * 2)
@@ -225,7 +222,6 @@ def write(film: Film, path: str | Path, progress: bool = False) -> None:
         palette = picture.shot(film.pictures // 2).quantize(COLOURS, Image.Quantize.MAXCOVERAGE)
         plain = Image.Dither.NONE
         first, *rest = (picture.shot(n).quantize(palette=palette, dither=plain) for n in numbers)
-        duration = 1000 // FPS
-        first.save(path, save_all=True, append_images=rest, duration=duration, loop=0, disposal=1)
+        first.save(path, save_all=True, append_images=rest, duration=DURATION, loop=0, disposal=1)
     finally:
         plt.close(picture.figure)
