@@ -34,19 +34,19 @@ def _over_restitution(ax: Axes, d: Data, colour: np.ndarray, **look: Any) -> Pat
 def draw(d: Data) -> plt.Figure:
     figure = plt.figure(figsize=(7.0, 7.6))
     top, bottom = figure.subfigures(2, 1, height_ratios=(1, 2))
-    axes = top.subplots(1, 2)
+    left, right = top.subplots(1, 2)
     ratio = (d["c_x"] / d["theory"])[kept(d)].mean(axis=1)
     low, *_, high = RATIO_TICKS
     shown = _over_restitution(
-        axes[0], d, np.clip(ratio, low, high), norm=LogNorm(low, high), cmap=DRIFTS
+        left, d, np.clip(ratio, low, high), norm=LogNorm(low, high), cmap=DRIFTS
     )
-    bar = top.colorbar(shown, ax=axes[0], label="drift over the theory's")
+    bar = top.colorbar(shown, ax=left, label="drift over the theory's")
     bar.set_ticks(RATIO_TICKS, labels=[f"{tick:g}" for tick in RATIO_TICKS])
     bar.minorticks_off()
     true = judged(d)
     hold = np.nansum([*true.values()], axis=0)
-    shown = _over_restitution(axes[1], d, hold, cmap="viridis")
-    top.colorbar(shown, ax=axes[1], label=f"statements that hold, of {len(true)}")
+    shown = _over_restitution(right, d, hold, cmap="viridis")
+    top.colorbar(shown, ax=right, label=f"statements that hold, of {len(true)}")
     ax = bottom.subplots()
     found = {n: of for n, of in told(d)["numbers"].items() if of["share"] is not None}
     names = sorted(found, key=lambda name: found[name]["share"])
@@ -59,5 +59,5 @@ def draw(d: Data) -> plt.Figure:
             ax.text(1.34, i, words, va="center", ha="right")
     ax.set(xlabel="share of the kinds of rods for which it holds", xlim=(0, 1.35), yticks=[])
     ax.set(xticks=np.linspace(0, 1, 6), ylim=(-0.8, len(names) - 0.2))
-    name_panels((*axes, ax), ("drift", "verdicts", "statements"))
+    name_panels((left, right, ax), ("drift", "verdicts", "statements"))
     return figure

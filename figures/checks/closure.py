@@ -150,11 +150,10 @@ def measures(rows: np.ndarray, per: int) -> dict[str, tuple[float, float]]:
     nobody pushes (of all, if there are fewer than `ENOUGH`).
     """
     rows = rows[np.isfinite(rows[:, touches.FLIGHT])]
-    alone = rows[:, touches.PUSHED] == 0
-    among = alone if alone.sum() >= ENOUGH else np.ones(len(rows), bool)
+    every, alone = np.ones(len(rows)), rows[:, touches.PUSHED] == 0
+    among = alone if alone.sum() >= ENOUGH else every
     block = (rows[:, touches.STEP] // per).astype(int)
     block -= block.min()
-    every = np.ones(len(rows))
 
     def mean(top: np.ndarray, base: np.ndarray = every) -> tuple[float, float]:
         return ratio(np.bincount(block, top), np.bincount(block, base))
@@ -309,14 +308,11 @@ def _draw_left(ax: Axes, d: Data) -> None:
     for off, name, colour, label in sets:
         error = d[f"{name}_error"]
         ax.barh(y + off, d[name], 0.4, xerr=error, color=colour, label=label, error_kw=thin)
-    places, error = FIRST + np.arange(len(ASSUMED)), d["left_single_error"]
-    look = {"form": "D", "hollow": True, "label": "it alone"}
-    points(ax, d["left_single"], places, None, RED, xerr=error, **look)
+    single, error = d["left_single"], d["left_single_error"]
+    points(ax, single, y[FIRST:], None, RED, xerr=error, form="D", hollow=True, label="it alone")
     some = slice(FIRST, -1)
-    error = d["left_landing_error"][some]
-    points(
-        ax, d["left_landing"][some], y[some], None, ORANGE, xerr=error, form="^", label="landings"
-    )
+    landing, error = d["left_landing"][some], d["left_landing_error"][some]
+    points(ax, landing, y[some], None, ORANGE, xerr=error, form="^", label="landings")
     ax.set_yticks(y, [names[0], *(f"+ {name}" for name in names[1:])])
     ax.margins(x=0.5)  # for the legend
     ax.set(xlabel="misfit / row", xlim=(0, None))

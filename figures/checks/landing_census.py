@@ -54,9 +54,12 @@ VARIED = {  # key, its values, those of --quick; the law is the first one where 
 CENSUS_PERIODS = {True: 20, False: 400}
 FEWEST_ISOLATED = 30  # isolated touches, below which their mean is not drawn
 CENSUS_ROW = put(read_tables("quasi2d"), {"step.size": "none"})
-CONTACT_NAMES = {"constraint": "constraint", "appendix_a": "Appendix A"}
-KINDS = {"pushed_residual": "s:", "isolated_residual": "o-", "isolated_allowed": "^--"}  # of errors
-KIND_NAMES = "pushed", "isolated", "allowed for"
+LAWS = {"constraint": ("constraint", SIMULATED), "appendix_a": ("Appendix A", PRINTED_LAW)}
+KINDS = {  # of errors: their names and forms
+    "pushed_residual": ("pushed", "s:"),
+    "isolated_residual": ("isolated", "o-"),
+    "isolated_allowed": ("allowed for", "^--"),
+}
 ISOLATED = "isolated_residual", "isolated_allowed"
 STORED = "tilt", "slide", "stick", "reversal", "shared", "disturbed", "pushed_residual", *ISOLATED
 
@@ -101,48 +104,39 @@ def data(quick: bool = False) -> Data:
     return found
 
 
-SHARE = {"ylabel": "share of touches", "ylim": (0, 1.03)}
-
-
 def _draw_regimes(ax, d) -> None:
     for name, colour in zip(REGIME_WORDS.values(), REGIME_COLOURS, strict=True):
         measure = name.split("-")[-1].split()[-1]
         curve(ax, d, "constraint_tilt", f"constraint_{measure}", colour, name)
-    ax.set(**SHARE | {"ylim": (0, 1.6)})
-    ax.legend(loc="upper right")
+    ax.set(ylabel="share of touches", ylim=(0, 1.6))
 
 
 def _draw_company(ax, d) -> None:
     """Draw the shares of touches with other rods in play, over tilt."""
-    curves = {
-        "pushed": ("constraint", "shared", ANOTHER),
-        f"kicked > {DISTURBED:.0%}": ("constraint", "disturbed", SKY),
-        "pushed, Appendix A": ("appendix_a", "shared", PRINTED_LAW),
-    }
-    for name, (law, measure, colour) in curves.items():
-        curve(ax, d, f"{law}_tilt", f"{law}_{measure}", colour, name)
-    ax.set(**SHARE | {"ylim": (0, 1.6)})
-    ax.legend(loc="upper right")
+    curve(ax, d, "constraint_tilt", "constraint_shared", ANOTHER, "pushed")
+    curve(ax, d, "constraint_tilt", "constraint_disturbed", SKY, f"kicked > {DISTURBED:.0%}")
+    curve(ax, d, "appendix_a_tilt", "appendix_a_shared", PRINTED_LAW, "pushed, Appendix A")
+    ax.set(ylabel="share of touches", ylim=(0, 1.6))
 
 
 def _draw_residual(ax, d) -> None:
-    for law, colour in zip(CONTACTS, (SIMULATED, PRINTED_LAW), strict=True):
-        for kind, form in KINDS.items():
+    for law, (name, colour) in LAWS.items():
+        for kind, (_, form) in KINDS.items():
             curve(ax, d, f"{law}_tilt", f"{law}_{kind}", colour, form=form)
-        ax.plot([], [], color=colour, label=CONTACT_NAMES[law])
-    for form, name in zip(KINDS.values(), KIND_NAMES, strict=True):
+        ax.plot([], [], color=colour, label=name)
+    for name, form in KINDS.values():
         ax.plot([], [], form, color="0.4", ms=3, lw=0.7, label=name)
     ax.set(ylabel="error / change", yscale="log", ylim=(1e-6, 1e7))
-    ax.legend(loc="upper right")
 
 
 def _draw_shares(ax, d, sweep: str) -> None:
     """Draw shares of landings and errors of the map over what a sweep changes."""
     curve(ax, d, sweep, f"{sweep}_shared", ANOTHER, "pushed")
     curve(ax, d, sweep, f"{sweep}_slide", REGIME_COLOURS[0], "slide")
-    for kind, name in zip(KINDS, KIND_NAMES[:2], strict=False):
-        curve(ax, d, sweep, f"{sweep}_{kind}", BLACK, f"error, {name}", form=KINDS[kind])
-    ax.set(**SHARE | {"ylabel": "share; error / change"})
+    for kind in ("pushed_residual", "isolated_residual"):
+        name, form = KINDS[kind]
+        curve(ax, d, sweep, f"{sweep}_{kind}", BLACK, f"error, {name}", form=form)
+    ax.set(ylabel="share; error / change", ylim=(0, 1.03))
     ax.legend()
 
 
@@ -150,11 +144,12 @@ def _draw_shares(ax, d, sweep: str) -> None:
 def draw(d: Data) -> plt.Figure:
     figure, axes = plt.subplot_mosaic("aabbcc;dddeee", figsize=(7.0, 5.2))
     *over_tilt, gamma, lossy = axes.values()
-    for ax, panel in zip(over_tilt, (_draw_regimes, _draw_company, _draw_residual), strict=True):
+    panels = {_draw_regimes: 0.64, _draw_company: 0.64, _draw_residual: 0.5}
+    for ax, (panel, top) in zip(over_tilt, panels.items(), strict=True):
         panel(ax, d)
         tilt_axis(ax, 0, 65)
-    for ax, top in zip(over_tilt, (0.64, 0.64, 0.5), strict=True):  # up to the legend
-        ax.axvline(d["reversal_tilt_deg"], 0, top, color="0.4", lw=0.8, ls=":")
+        ax.legend(loc="upper right")
+        ax.axvline(d["reversal_tilt_deg"], 0, top, color="0.4", lw=0.8, ls=":")  # up to the legend
     _draw_shares(gamma, d, "gamma")
     gamma.set(xlabel=r"$\Gamma$", xlim=(1, 5.2), xticks=range(1, 6))
     _draw_shares(lossy, d, "lossy")

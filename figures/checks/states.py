@@ -17,6 +17,7 @@ and down, with standard errors over starts; where the two differ, the row rememb
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
+from scipy.stats import mode
 
 from md.sweep import Sweep
 
@@ -132,9 +133,7 @@ def settled(state: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     state : (..., parts), from `states`
     """
     late = state[..., state.shape[-1] // 2 :]
-    most = np.stack([(late == each).sum(axis=-1) for each in range(len(STATES))]).argmax(axis=0)
-    changed = (late != late[..., :1]).any(axis=-1)
-    return np.where(late[..., 0] == MISSING, MISSING, most), changed
+    return mode(late, axis=-1).mode, (late != late[..., :1]).any(axis=-1)
 
 
 def still_there(state: np.ndarray) -> np.ndarray:

@@ -42,20 +42,20 @@ LAW_OF = {  # plate, rods: of all simulated rows and annuli; chosen once among 3
     "tangential_ratio": (7.2, 0.68),
     "tangential_damping": (0.43, 0.28),
 }
-SECOND_OF = {  # plate, rods: another of the best laws; stiffer, so dearer
-    "restitution": (0.68, 0.89),
-    "tangential_ratio": (12, 3.1),
-    "tangential_damping": (0.73, 0.89),
-}
 PARTS = "plate", "rods"
-LAW, SECOND = (
-    {
-        f"contacts.{part}.{name}": value
-        for name, pair in of.items()
-        for part, value in zip(PARTS, pair, strict=True)
-    }
-    for of in (LAW_OF, SECOND_OF)
-)
+LAW = {
+    f"contacts.{part}.{name}": value
+    for name, pair in LAW_OF.items()
+    for part, value in zip(PARTS, pair, strict=True)
+}
+SECOND = {  # another of the best laws; stiffer, so dearer
+    "contacts.plate.restitution": 0.68,
+    "contacts.rods.restitution": 0.89,
+    "contacts.plate.tangential_ratio": 12,
+    "contacts.rods.tangential_ratio": 3.1,
+    "contacts.plate.tangential_damping": 0.73,
+    "contacts.rods.tangential_damping": 0.89,
+}
 RESOLVED = {"step.size": "none", "step.coarse": "none"}  # the step suits the stiffest spring
 ROW = put(SIMPLE_ROW, LAW)
 LAW_NAME = "plate/rods: " + ", ".join(
@@ -143,8 +143,10 @@ def _own(scene: str, place: str) -> Row:
     tables = read_tables(scene)
     found = from_tables(tables)
     rods, plate, contact = found.rods, found.plate, found.contacts.plate
-    there = found.box if place == "box" else found.annulus
-    if not (there and plate and contact and found.vibrates) or contact.law.restitution is None:
+    if (
+        not (getattr(found, place) and plate and contact and found.vibrates)
+        or contact.law.restitution is None
+    ):
         kind = "on a plate that vibrates, under a law with a restitution"
         raise InputError(f"scene must be rods in {PLACES[place]} {kind}, got {scene}")
     setting = {"friction": contact.friction, "restitution": contact.law.restitution}

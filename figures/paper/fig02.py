@@ -181,7 +181,8 @@ def _rows(axes: np.ndarray, d: Data) -> None:
         b.plot(d["fine_gamma"], line, color=looks[i][0], lw=0.8, ls="--")
     b.plot([], [], "--", color="0.4", lw=0.8, label="theory")
     top = max(np.nanmax(d["c_x"]), 1)
-    b.set_ylim(-0.45 * top, 1.15 * top)
+    b.set(xlim=(1, None), ylim=(-0.45 * top, 1.15 * top))
+    b.legend(loc="lower right", ncols=2)
     _near_onset(c, d, "", {i: looks[i] for i in np.flatnonzero(d["nominal_deg"] >= 20)})
 
 
@@ -189,8 +190,17 @@ def _annuli(axes: np.ndarray, d: Data) -> None:
     a, b, c = axes
     size = ARROW_DEG * np.clip(d["ring_V_z"], -1, 1)
     gamma = np.broadcast_to(d["gamma"][:, None], size.shape)
-    look = {"angles": "xy", "scale_units": "xy", "scale": 1, "color": "0.3", "width": 0.012}
-    arrows = a.quiver(gamma, d["ring_tilt"], 0 * size, size, **look)
+    arrows = a.quiver(
+        gamma,
+        d["ring_tilt"],
+        0 * size,
+        size,
+        angles="xy",
+        scale_units="xy",
+        scale=1,
+        color="0.3",
+        width=0.012,
+    )
     a.quiverkey(
         arrows, 0.6, 1.09, ARROW_DEG / 2, "$V_z=V_0/2$", angle=90, labelpos="E", coordinates="axes"
     )
@@ -199,6 +209,8 @@ def _annuli(axes: np.ndarray, d: Data) -> None:
     looks = dict(enumerate(zip(shades(len(names))[::-1], names, strict=True)))
     for i, look in looks.items():
         curve(b, d, "gamma", "ring_c_x", *look, at=(..., i))
+    b.set_xlim(1, None)
+    b.legend(loc="upper left")
     _near_onset(c, d, "ring_", looks)
 
 
@@ -213,9 +225,6 @@ def draw(d: Data) -> plt.Figure:
         ax.axvline(ONSET, *clear.get(ax, (0, 1)), color=BLACK, lw=0.8, ls=":")
         ax.set_xlabel(r"acceleration $\Gamma$")
     legend_above(figure, axes[0, 0], ncols=3)
-    for ax, place in zip(axes[:, 1], ("lower right", "upper left"), strict=True):
-        ax.set_xlim(1, None)
-        ax.legend(loc=place, ncols=1 + (ax is axes[0, 1]))
     for ax in axes[:, 1:].flat:
         ax.set_ylabel(r"drift $c_x$ (cm/s)")
         zero_line(ax)

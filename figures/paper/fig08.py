@@ -29,10 +29,10 @@ BINS_DRAWN = 32  # drawn; the store has 64
 EXPECTED = 0.5 - 1 / np.pi  # part of H = (1 + cos(theta))/2 pi while the plate falls
 
 
-def densities(counts: np.ndarray, bins: int = BINS_DRAWN) -> np.ndarray:
-    """Landings over the cycle, (..., 64), as densities per rad, (..., bins)."""
-    counts = counts.reshape(*counts.shape[:-1], bins, -1).sum(axis=-1)
-    return counts / counts.sum(axis=-1, keepdims=True) * bins / (2 * np.pi)
+def densities(counts: np.ndarray) -> np.ndarray:
+    """Landings over the cycle, (..., 64), as densities per rad, (..., `BINS_DRAWN`)."""
+    counts = counts.reshape(*counts.shape[:-1], BINS_DRAWN, -1).sum(axis=-1)
+    return counts / counts.sum(axis=-1, keepdims=True) * BINS_DRAWN / (2 * np.pi)
 
 
 def falling(counts: np.ndarray) -> np.ndarray:

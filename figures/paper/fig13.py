@@ -43,6 +43,7 @@ from ..lib.style import (
     RIGID,
     THEORY,
     Data,
+    Look,
     curve,
     legend_above,
     note,
@@ -121,12 +122,11 @@ def _simulated(quick: bool) -> Data:
     stored = {"c_x": "c_x_cm_s", "tilt": "tilt_deg", "V_z": AT_TOUCH}
     prefixes = {"tilt": "a", "gamma": "b", "length": "c", "jammed": "jammed", "second": "second"}
     for name, prefix in prefixes.items():
-        names = {f"{prefix}_{one}": result for one, result in stored.items()}
-        found |= means(runs[name], names)
+        found |= means(runs[name], {f"{prefix}_{one}": result for one, result in stored.items()})
     return found
 
 
-THIN = {"marker": "s", "ms": 2.5, "lw": 0.8}
+MEASURED: Look = {"color": RIGID, "marker": "s", "ms": 2.5, "lw": 0.8}  # theory, V_z as measured
 
 
 def _over_tilt(ax: Axes, d: Data) -> None:
@@ -141,7 +141,7 @@ def _over_tilt(ax: Axes, d: Data) -> None:
     words = "simulated, another contact law"
     curve(ax, d, "second_tilt", "second_c_x", ANOTHER, words, hollow=True, form="^")
     measured = d["thick_at_tilts"] * d["a_V_z"] * d["speed"]
-    ax.plot(d["tilt_deg"], measured, color=RIGID, label=r"theory, $l$, measured $V_z$", **THIN)
+    ax.plot(d["tilt_deg"], measured, label=r"theory, $l$, measured $V_z$", **MEASURED)
     ax.set_ylim(-0.5, 1.1 * max(measured.max(), 15))
 
 
@@ -153,7 +153,7 @@ def _over_gamma(ax: Axes, d: Data) -> None:
         return
     curve(ax, d, "gamma", "b_c_x", form="o")
     rising = np.where(d["b_V_z"] > 0, d["b_V_z"], np.nan)  # else the closure has no impact
-    ax.plot(d["gamma"], d["thick_at_box"] * rising * d["speed_b"], color=RIGID, **THIN)
+    ax.plot(d["gamma"], d["thick_at_box"] * rising * d["speed_b"], **MEASURED)
     fit = fits(d)
     x = np.array([fit["line_start"], d["gamma"][-1]])
     line = fit["line_slope"] * (x - fit["line_from"])
@@ -176,7 +176,7 @@ def _over_length(ax: Axes, d: Data) -> None:
     curve(ax, d, "length", "c_c_x", form="o")
     curve(ax, d, "jammed_length", "jammed_c_x", label="from rest", hollow=True, form="o")
     measured = d["thick_at_lengths"] * d["c_V_z"] * d["speed_c"]
-    ax.plot(d["length"], measured, color=RIGID, **THIN)
+    ax.plot(d["length"], measured, **MEASURED)
     ax.set_ylim(-0.4, 1.4 * measured.max())
     ax.legend(loc="upper right")
 

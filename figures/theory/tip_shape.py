@@ -16,6 +16,7 @@ corners touch and push each other's way, so that a rod that stands on its end do
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
+from scipy.stats import sem
 
 import md
 from impact import collide, drift, flat_ended_rod, spherocylinder, thin_rod
@@ -41,7 +42,7 @@ TOLD = {"va": "center", "color": FLAT, "arrowprops": {**ARROW, "color": FLAT}}
 LINES = {"thin": "-.", "round": "-", "flat": "-"}
 
 
-def _bounced(quick: bool, length: float, how: dict[str, float]) -> Data:
+def _bounced(quick: bool, length: float, setting: dict[str, float]) -> Data:
     """Drift of repeated impacts at held tilt, in V_0; mean over Gamma and standard error."""
     from impact.bouncing import bounce  # compiles
 
@@ -51,11 +52,11 @@ def _bounced(quick: bool, length: float, how: dict[str, float]) -> Data:
     for name, make in (("round", spherocylinder), ("flat", flat_ended_rod)):
         rods = [make(tilt, length) for tilt in tilts]
         runs = [
-            [bounce(rod, gamma=g, **how, landings=landings, rods=4).drift.mean for g in gammas]
+            [bounce(rod, gamma=g, **setting, landings=landings, rods=4).drift.mean for g in gammas]
             for rod in rods
         ]
         found[f"{name}_bounced"] = np.mean(runs, axis=1)
-        found[f"{name}_bounced_error"] = np.std(runs, axis=1, ddof=1) / np.sqrt(len(gammas))
+        found[f"{name}_bounced_error"] = sem(runs, axis=1)
     return {"bounced_tilt": tilts, **found}
 
 
@@ -67,9 +68,12 @@ def _one_impact(quick: bool, length: float, friction: float, restitution: float)
     hits = [md.impact(tilt, 0.0, -1.0, friction=friction, rod=rod, law=law) for tilt in soft_tilt]
     tilt = np.radians(np.append(-np.linspace(15, 0, 151), np.linspace(0, 15, 151)))
     rod = flat_ended_rod(tilt, length)
-    rigid = collide(0.0, -1.0, geometry=rod, friction=friction, restitution=restitution).c_x
-    found = {"soft_tilt": soft_tilt, "soft": np.array([hit.c_x for hit in hits])}
-    return {**found, "rigid_tilt": tilt, "rigid": rigid}
+    return {
+        "soft_tilt": soft_tilt,
+        "soft": np.array([hit.c_x for hit in hits]),
+        "rigid_tilt": tilt,
+        "rigid": collide(0.0, -1.0, geometry=rod, friction=friction, restitution=restitution).c_x,
+    }
 
 
 def data(
@@ -83,12 +87,13 @@ def data(
     tilt_deg = np.concatenate([-np.linspace(20, 0, n // 3), np.linspace(0, 60, n)])
     tilt, fixed, lengths = np.radians(tilt_deg), np.radians(15), np.geomspace(1, 20, n)
 
+    setting = {"friction": friction, "restitution": restitution}
+
     def c_x(rod):
-        return drift(rod, friction=friction, restitution=restitution).c_x
+        return drift(rod, **setting).c_x
 
     return {
-        "friction": friction,
-        "restitution": restitution,
+        **setting,
         "length": length,
         "tilt": tilt,
         "thin": c_x(thin_rod(tilt)),
@@ -101,8 +106,8 @@ def data(
         "round_by_length": c_x(spherocylinder(fixed, lengths)),
         "flat_by_length": c_x(flat_ended_rod(fixed, lengths)),
         "flat_length": 1 / np.tan(fixed),  # at this length 15 degrees is the threshold
-        **_bounced(quick, length, {"friction": friction, "restitution": restitution}),
-        **_one_impact(quick, length, friction, restitution),
+        **_bounced(quick, length, setting),
+        **_one_impact(quick, length, **setting),
     }
 
 
@@ -114,13 +119,18 @@ def _limit(d: Data) -> float:
     return 1.45 * min(drifts[np.isfinite(drifts)].max(initial=0.1), HIGHEST)
 
 
+def _cut(ax: Axes, tilt: np.ndarray, y: np.ndarray, form: str, colour: str) -> None:
+    """Draw a curve over tilt that is cut at 0, where a flat end's contact jumps."""
+    negative = np.signbit(tilt)
+    for side in (negative, ~negative):
+        ax.plot(np.degrees(tilt[side]), y[side], form, color=colour)
+
+
 def _over_tilt(ax: Axes, d: Data) -> None:
-    limit, negative = _limit(d), np.signbit(d["tilt"])
-    tilt_deg, threshold_deg = np.degrees(d["tilt"]), np.degrees(d["flat_threshold"])
+    limit, threshold_deg = _limit(d), np.degrees(d["flat_threshold"])
     for kind, line in LINES.items():
-        for side in (negative, ~negative):
-            ax.plot(tilt_deg[side], d[kind][side], line, color=SHAPE_COLOURS[kind])
-    edges = d["flat"][tilt_deg == 0]
+        _cut(ax, d["tilt"], d[kind], line, SHAPE_COLOURS[kind])
+    edges = d["flat"][d["tilt"] == 0]
     ax.plot([0, 0], edges, ":", color=FLAT, lw=1)
     ax.plot([0, 0], edges, "o", color=FLAT, ms=3, mfc="w")
     words = "contact jumps\nfrom edge to edge"
@@ -163,10 +173,8 @@ def _over_bounces(ax: Axes, d: Data) -> None:
 
 
 def _one(ax: Axes, d: Data) -> None:
-    tilt_deg, negative = np.degrees(d["rigid_tilt"]), np.signbit(d["rigid_tilt"])
-    for side in (negative, ~negative):
-        label = "the map" if side[0] else None
-        ax.plot(tilt_deg[side], d["rigid"][side], color=FLAT, label=label)
+    _cut(ax, d["rigid_tilt"], d["rigid"], "-", FLAT)
+    ax.plot([], [], color=FLAT, label="the map")
     ax.plot(np.degrees(d["soft_tilt"]), d["soft"], "o", color=BLACK, ms=2.5, label="soft impact")
     ax.set_ylabel(r"$c_x'/|c_z|$, from $c_x=0$")
     tilt_axis(ax, -15, 15, 5)
