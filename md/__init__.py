@@ -77,7 +77,7 @@ from typing import TYPE_CHECKING, Any
 from .accuracy import run
 from .domains import InputError, RunError
 from .kernels.contact import Normal, Spring
-from .laws import LAWS, Law, Rod, appendix_a, constant_restitution, coulomb, hertz_stiffness
+from .laws import LAWS, Law, Rod, appendix_a, constant_restitution, coulomb
 from .result import Accuracy, Result
 from .scene import Annulus, Box, Contact, Contacts, Gravity, Plate, Rods, Scene, Start, Step, load
 from .soft_impact import INTEGRATORS, Impact, impact
@@ -113,7 +113,6 @@ __all__ = [
     "appendix_a",
     "constant_restitution",
     "coulomb",
-    "hertz_stiffness",
     "impact",
     "load",
     "run",

@@ -24,7 +24,7 @@ that `Normal` or `Spring` lacks is a field there, a term in `kernels.contact`, a
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import acos, acosh, atan2, copysign, cos, exp, hypot, inf, pi, sin, sqrt
+from math import acos, acosh, atan2, copysign, cos, exp, hypot, inf, sin, sqrt
 from typing import Annotated, Literal, NamedTuple
 
 from scipy.optimize import brentq
@@ -33,7 +33,6 @@ from .domains import InputError, Part, held, not_negative, number, positive
 from .kernels.codes import DEEP
 from .kernels.contact import PHASE, Friction, Normal, Spring
 from .kernels.state import Effects, Motion
-from .units import GRAVITY_CM
 
 STIFFNESS = 5e6  # k_n of Appendix A in m g/d
 _STIFFNESSES = "normal.stiffness", "spring.proportional", "spring.root"  # more than zero
@@ -184,33 +183,6 @@ LAWS: dict[str, Callable[..., Law]] = {
     "constant_restitution": constant_restitution,
     "coulomb": coulomb,
 }
-
-
-def hertz_stiffness(
-    young: float, poisson: float, density: float, length: float, diameter: float
-) -> float:
-    """Hertz' stiffness k_n, in m g/d, of rods on a plate of the same material.
-
-    A value for the key `stiffness` of a contact: Hertz' force (4/3) E* sqrt(R) delta^(3/2) of a cap
-    of radius R = d/2 on a plane, with E* = E/(2 (1 - nu^2)) of two equal bodies, over the weight of
-    a uniform spherocylinder (K. L. Johnson, Contact Mechanics, 1985, chapter 4). Softer contacts,
-    as the paper's, are usual: they last longer and take longer steps. Compare two stiffnesses to
-    see what that does to a drift.
-
-    Parameters
-    ----------
-    young : Young's modulus, Pa
-    poisson : Poisson's ratio, 0 to 1/2
-    density : kg/m^3
-    length, diameter : of the rod, caps included, m
-    """
-    nu = number("poisson", poisson, 0.0, 0.5)
-    d = positive("diameter", diameter)
-    shaft = number("length", length, d, inf, f"at least the diameter, {d:g}") - d
-    volume = pi * d**2 * (shaft / 4 + d / 6)
-    weight = positive("density", density) * volume * GRAVITY_CM / 100
-    modulus = positive("young", young) / (2 * (1 - nu**2))
-    return 4 / 3 * modulus * sqrt(d / 2) * d**1.5 / weight
 
 
 def friction_of(law: Law, coefficient: float) -> Friction | None:

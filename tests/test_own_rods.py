@@ -11,7 +11,6 @@ import pytest
 from numpy.testing import assert_array_equal
 
 import figures
-import md
 from figures.__main__ import main
 from figures.claims import over_tilt, own_rods
 from figures.lib import runs
@@ -138,20 +137,6 @@ def test_rows_of_the_paper_stand_beside_the_papers_theory_alone(monkeypatch):
     picture = figures.load("fig13").draw(d)
     assert len(picture.axes) == 3
     plt.close(picture)
-
-
-def test_a_material_gives_the_stiffness_of_its_contacts():
-    """A steel ball on steel at 1 m/s: Johnson's (11.24), T = 2.87 (m^2/(R E*^2 v))^(1/5)."""
-    young, poisson, density, d, gravity = 200e9, 0.3, 7800.0, 0.01, 9.81
-    mass, modulus = density * np.pi * d**3 / 6, young / (2 * (1 - poisson**2))
-    time = 2.87 * (mass**2 / (d / 2 * modulus**2)) ** 0.2
-    stiffness = md.hertz_stiffness(young, poisson, density, d, d)
-    law = md.coulomb(1.0, stiffness)
-    speed = 1 / np.sqrt(gravity * d)
-    hit = md.impact(0.0, 0.0, -speed, friction=0.3, rod=md.Rod(1.0), law=law)
-    assert hit.contact_time * np.sqrt(d / gravity) == pytest.approx(time, rel=0.02)
-    rod = md.hertz_stiffness(young, poisson, density, 8 * d, d)
-    assert rod * (7 / 4 + 1 / 6) == pytest.approx(stiffness / 6)  # the weight of a longer one
 
 
 def test_a_scene_that_is_edited_is_read_again_and_may_be_plastic(mine):
