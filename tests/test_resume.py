@@ -127,7 +127,8 @@ def test_a_checkpoint_that_is_not_finished_leaves_the_old_one(whole, path, monke
 
 
 def test_a_run_without_an_account_of_the_energy_goes_on_without_one(path):
-    scene, bare = md.load("single_rod"), {"ledger": False, "checkpoint": path}
+    """A rod that flies: its kernels, with the account and without, compile in a moment."""
+    scene, bare = md.Scene(start=md.Start(tilt_deg=10.0)), {"ledger": False, "checkpoint": path}
     md.run(scene, periods=1, **bare)
     with pytest.raises(md.InputError, match=r"ledger must be False, .*; or remove it"):
         md.run(scene, periods=2, checkpoint=path)

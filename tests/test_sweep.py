@@ -159,12 +159,6 @@ def test_a_result_that_cannot_be_gathered_is_named(store, reference):
     assert set(found) == {name.replace(".", "_") for name in offered}
 
 
-def test_two_workers_give_the_same_bits(path, reference):
-    sweep, wanted = reference
-    execute(sweep, path, workers=2)
-    assert gathered(sweep, path) == wanted
-
-
 def viscous(stiffness=5e6, dashpot=300.0):
     """A law that md has not, of which the kernel is that of the others here."""
     return md.Law("viscous", md.Normal(stiffness, quarter=dashpot), None)
@@ -232,6 +226,7 @@ def test_a_run_that_fails_is_recorded_and_stops_no_other(tmp_path, path):
 
 
 def test_a_dead_worker_ends_the_sweep_and_the_next_one_goes_on(path, reference):
+    """To the bits of one process."""
     sweep, wanted = reference
     get_reusable_executor().shutdown(wait=True)
 

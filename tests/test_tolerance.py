@@ -145,7 +145,7 @@ def test_the_command_has_two_ends(capsys, monkeypatch):
 # Rods fall over ever more often for 300 periods; both starts agree meanwhile
 LIVELY = """
     rods.count=38 rods.length=6.2 box.length=52 plate.acceleration=2.6
-    start.speed=0.3 start.seed=2 contacts.plate.law=coulomb
+    start.speed=0.3 start.seed=2
     contacts.plate.restitution=0.7 contacts.plate.friction=0.54
     contacts.rods.restitution=0.85 contacts.rods.friction=0.33
     contacts.rods.tangential_ratio=4.2 contacts.rods.tangential_damping=0.35
