@@ -10,6 +10,7 @@ from numpy.testing import assert_allclose
 from scipy.optimize import lsq_linear
 
 import md
+from impact import Body, collide_pair
 from md.kernels.batch import SIZE
 from md.kernels.codes import C_X, OMEGA, PAIR_NORMAL, ROW_DIRECTION, ROW_PLACE, ROW_VELOCITY
 from md.kernels.contact import ContactForces
@@ -279,17 +280,15 @@ def test_a_head_on_collision_has_the_restitution_asked_for(effects, rods, e, con
 
 
 def rigid(rods, e):
-    """Velocities after a frictionless impact with restitution e at the contact point, closed form.
-
-    J = -(1 + e) v_n / (1/m_1 + 1/m_2 + (r_1 x n)^2/I_1 + (r_2 x n)^2/I_2).
-    """
+    """Velocities after a frictionless impact with restitution e at the contact point."""
     p, q = max(meetings(rods)[0], key=overlap)
-    out, arms = unit(p - q), (p + q) / 2 - rods[:, ROW_PLACE]
-    levers = arms[:, 1] * out[0] - arms[:, 0] * out[1]
-    speeds = rods[:, ROW_VELOCITY][:, :2] @ out + rods[:, OMEGA] * levers
-    impulse = -(1 + e) * (speeds[0] - speeds[1]) / (2 + (levers**2).sum() * LIGHT)
-    given = [(*out, levers[0] * LIGHT), (*-out, -levers[1] * LIGHT)]
-    return rods[:, ROW_VELOCITY] + impulse * np.array(given)
+    normal = np.arctan2(*(p - q))
+    first, second = (
+        Body(1.0, LIGHT**-0.5, *(rod[ROW_PLACE] - (p + q) / 2), *rod[ROW_VELOCITY]).turned(normal)
+        for rod in rods
+    )
+    hit = collide_pair(first, second, friction=0.0, restitution=e)
+    return [body.turned(-normal)[4:] for body in (hit.first, hit.second)]
 
 
 @pytest.mark.parametrize("restitution", [1.0, 0.65])
