@@ -187,6 +187,12 @@ def kinetic(engine):
     return ((velocity**2).sum() + (turn**2).sum() / LIGHT) / 2
 
 
+def around(places, v):
+    """Parts of vectors along an annulus, each at its place."""
+    (x, y), (v_x, v_y) = places.T[:2], v.T[:2]
+    return (x * v_y - y * v_x) / np.hypot(x, y)
+
+
 def distance(rods, i, j, half=HALF):
     """Distance of the axes of two rods in space, as the kernels find it."""
     places, directors = rods[:, PLACE:DIRECTOR], rods[:, DIRECTOR:VELOCITY]

@@ -56,6 +56,11 @@ class Impacts(NamedTuple):
         return reference_collide(**self.row(index), law=law)
 
 
+def power(x, y):
+    """Power of x as which y goes."""
+    return np.polyfit(np.log(x), np.log(y), 1)[0]
+
+
 def geometries(rng, n):
     """X, Z, k of thin, round and flat-ended rods of all tilts, from spheres to l = 30 d."""
     tilt = rng.uniform(-np.pi / 2, np.pi / 2, n)

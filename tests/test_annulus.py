@@ -14,7 +14,7 @@ from md.placement import largest_tilt, overlap, placed
 from md.result import result_text
 from md.scene import GAP
 
-from .rows import EXPERIMENT, ROLLING, distance, go, ring
+from .rows import EXPERIMENT, ROLLING, around, distance, go, ring
 
 # Placement
 
@@ -42,8 +42,7 @@ def test_placed_rods_touch_neither_each_other_nor_a_wall(count):
     assert rho.max() < EXPERIMENT.outer - 0.5 + 1e-4
     assert_allclose(x[:, 2] - half * a[:, 2], 0.5, atol=1e-12)
     assert np.arccos(a[:, 2]).max() < largest_tilt(EXPERIMENT, 8.0)
-    lean = x[:, 0] * a[:, 1] - x[:, 1] * a[:, 0]
-    assert abs(np.sign(lean).sum()) == count
+    assert abs(np.sign(around(x, a)).sum()) == count
 
 
 def test_an_odd_ring_starts_tilted_as_an_even_one():
@@ -134,8 +133,8 @@ def test_rods_that_lean_the_other_way_drift_the_other_way():
     found = {}
     for tilt in (35, -35):
         result = md.run(ring("plate.acceleration=5", f"start.tilt_deg={tilt}"), periods=40)
-        x, y, _, *a = result.rods[:, :VELOCITY].T
-        along = np.sign(a[2]) * (x * a[1] - y * a[0]) / np.hypot(x, y)
-        assert np.sign(np.arctan2(along, np.abs(a[2])).mean()) == np.sign(tilt)
+        director = result.rods[:, DIRECTOR:VELOCITY]
+        along = around(result.rods, director) * np.sign(director[:, 2])
+        assert np.sign(np.arctan2(along, np.abs(director[:, 2])).mean()) == np.sign(tilt)
         found[tilt] = result.c_x
     assert found[35] > 0 > found[-35]

@@ -52,6 +52,7 @@ from .rows import (
     SMOOTH,
     SOFT,
     SPACE,
+    around,
     go,
     in_plane,
     in_space,
@@ -66,8 +67,8 @@ from .rows import (
     unit,
     vectors,
 )
-from .sampling import EPS
-from .track import CONTACT, LAWS, effects, track
+from .sampling import EPS, power
+from .track import CONTACT, LAWS, damped, effects, track
 
 FALLING = PLANE._replace(gravity=(0.0, -1.0), plate=AT_REST)
 HELD = Friction(0.3, None)
@@ -159,10 +160,7 @@ def test_rods_start_apart_and_with_no_momentum(name):
     go(engine, 1)
     for now, then in zip(engine._parts(engine.rods)[2:], engine._parts(before)[2:], strict=True):
         assert_array_equal(now, then)
-    along = velocity[:, 0]
-    if scene.annulus:
-        x, y, _ = place.T
-        along = (x * velocity[:, 1] - y * velocity[:, 0]) / np.hypot(x, y)
+    along = around(place, velocity) if scene.annulus else velocity[:, 0]
     assert np.abs(along).max() > 0.1
     assert abs(along.mean()) < EPS
 
@@ -367,10 +365,8 @@ def test_m15_places_after_a_period_converge(name):
 
 def impact(law, friction, dt, offset):
     """A rod at a tilt of 20 degrees that is about to meet the plate."""
-    normal, tilt = law.normal, pi / 9
-    if law == LAWS["elastic"]:
-        normal = normal._replace(quarter=0.0)
-    scene = PLANE._replace(plate=AT_REST, normal=normal, friction=Friction(friction, law.spring))
+    normal, rub, tilt = damped(law.normal), Friction(friction, law.spring), pi / 9
+    scene = PLANE._replace(plate=AT_REST, normal=normal, friction=rub)
     if law == LAWS["appendix_a"]:  # which no other test of rows takes: the kernel compiles sooner
         scene = scene._replace(between=None, period=None)
     height = HALF * cos(tilt) + 0.5 + (1 + offset) * dt
@@ -389,7 +385,7 @@ def test_m15_energy_ledger_closes_to_second_order(law, friction):
     for contacts in (0.4, 2.0):
         worst = [energy_error(begin, contacts * CONTACT, 1, 16, dt)[0] for dt in steps]
         assert worst[-1] < 4e-6
-        assert np.polyfit(np.log(steps), np.log(worst), 1)[0] >= 1.8
+        assert power(steps, worst) >= 1.8
 
 
 # The ledger of runs

@@ -25,6 +25,11 @@ CONTACT = contact_time(md.coulomb(), 1.0)
 FLAT = 0.0, 0.5, pi / 2, 0.0, 0.0, 0.0  # just touching, at rest
 
 
+def damped(normal):
+    """The same normal force with a dashpot, of zero if there is none: laws share a kernel."""
+    return normal._replace(quarter=normal.quarter or 0.0)
+
+
 def effects(law, friction=0.0, gravity=None, plate=None, rod=ROD):
     """What acts on a rod; the plate is at rest unless it has a `Motion`."""
     return effects_of(rod, law, friction, gravity, plate)
