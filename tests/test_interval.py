@@ -30,11 +30,15 @@ def test_the_interval_of_one_start_is_students():
     assert np.isnan(found.chance)
 
 
-def test_a_long_run_leaves_out_no_more_than_its_transient():
-    series = np.concatenate([np.full(400, 9.0), default_rng(1).normal(size=4600)])
+@pytest.mark.parametrize(("periods", "transient", "cut"), [(5000, 400, 400), (1000, 250, 300)])
+def test_a_transient_is_left_out_and_hardly_more(periods, transient, cut):
+    """A fifth is left out, 400 periods at most, and tenths more while the rest has a trend."""
+    series = 1 + 0.1 * default_rng(6).normal(size=periods)
+    series[:transient] += 2
     found = interval([series])
-    assert found.mean == series[400:].mean()
-    assert abs(found.mean) < found.half
+    assert found.settled
+    assert found.mean == pytest.approx(series[cut:].mean(), rel=1e-12)
+    assert abs(found.mean - 1) < found.half
 
 
 def test_starts_in_one_state_are_pooled():
@@ -106,15 +110,6 @@ def test_where_rods_fall_the_change_between_the_halves_is_an_error():
     means = [abs(one[200:600].mean() - one[600:].mean()) / 2 for one in slow]
     errors = np.hypot(means, [standard_error(one[200:]) for one in slow])
     assert found.error == pytest.approx(np.hypot(*errors) / 2)
-
-
-def test_a_longer_transient_is_left_out():
-    """The first 250 of 1000 periods drift three times as fast, and 300 are left out."""
-    series = 1 + 0.1 * default_rng(6).normal(size=1000)
-    series[:250] += 2
-    found = interval([series])
-    assert found.settled
-    assert found.mean == pytest.approx(series[300:].mean())
 
 
 def followed(starts, tolerance, confidence=0.95):
