@@ -331,8 +331,9 @@ def run(
 
     Returns
     -------
-    Result; its `accuracy` is None without a tolerance. With one, `c_x` is the mean over all starts,
-    less the bias of the step where that was measured; other means keep theirs
+    Result; where Ctrl-C has ended the run, its `finished` is False, and a loop over runs has to end
+    by itself. Its `accuracy` is None without a tolerance. With one, `c_x` is the mean over all
+    starts, less the bias of the step where that was measured; other means keep theirs
 
     Raises
     ------

@@ -34,7 +34,9 @@ c_x_after, c_z_after           the same after: of a landing, after its last touc
 omega_after
 plate_velocity                 V_z as the touch begins, in sqrt(g d)
 v_before                       normal velocity of the contact point against the plate, in sqrt(g d)
-v_after                        the same as the force ends; -v_after/v_before is the restitution
+v_after                        the same as the force ends; -v_after/v_before is the restitution of
+                               one touch, and scatters widely where v_before is small: a run's is
+                               -sum(v_after)/sum(v_before)
 duration                       periods from the first force to the last
 regime                         "slide", "slip-stick" or "slip-reversal"
 pushed_by_others               part of the touch during which another rod, or a wall, pushes this
@@ -104,7 +106,7 @@ def touches(rows: Sequence[np.ndarray], result: Result) -> "Dataset":
     `long_name` and, but for pure numbers, `units` in their `attrs`:
     `touches.sel(touch=touches.time >= result.discarded)` are those behind the transient.
     """
-    return _table("touch", np.concatenate([_NONE, *rows]), _TOUCH, result)
+    return _table("touch", _together(rows), _TOUCH, result)
 
 
 def landings(rows: Sequence[np.ndarray], result: Result) -> "Dataset":
@@ -120,10 +122,15 @@ def landings(rows: Sequence[np.ndarray], result: Result) -> "Dataset":
     -------
     The columns that `md.records` names along "landing", as of `touches`.
     """
-    all_rows = np.concatenate([_NONE, *rows])
+    all_rows = _together(rows)
     counted = np.column_stack([all_rows, np.ones(len(all_rows))])
     over, _ = merged(counted, HOP * result.steps_per_period)
     return _table("landing", over, _LANDING, result)
+
+
+def _together(rows: Sequence[np.ndarray]) -> np.ndarray:
+    """Rows of a list of arrays, or of one array, as (n, WIDTH)."""
+    return np.concatenate([_NONE, *map(np.atleast_2d, rows)])
 
 
 def _table(along: str, rows: np.ndarray, names: dict[str, int], result: Result) -> "Dataset":

@@ -448,7 +448,7 @@ def read_tables(source: str | Path, examples: Path = SCENES) -> dict:
         path = examples / f"{source}.toml"
     if not path.exists():
         names = ", ".join(sorted(path.stem for path in examples.glob("*.toml")))
-        raise InputError(f"{source}: no such scene; examples: {names}")
+        raise InputError(f"{source}: no such file or example; examples: {names}")
     try:
         return tomllib.loads(text_of(path))
     except tomllib.TOMLDecodeError as error:

@@ -42,6 +42,7 @@ from .laws import (
 from .reference import Contact
 
 INTEGRATORS = (*single.METHODS, "dop853")
+_ROUGH = 10.0  # friction as a constraint beyond which Gear's method, which predicts slip, is wrong
 _FINE = 100  # default steps per head-on contact time
 _FINEST = 1e8  # largest number of steps of a contact: more would take too long
 _SLOWEST = 1e-30  # speed of an impact below which numbers run out
@@ -124,7 +125,7 @@ def impact(
     integrator: str = "leapfrog",
     dt: float | None = None,
     offset: float = 0.5,
-    tolerance: float = 1e-13,
+    tolerance: float | None = None,
 ) -> Impact:
     """Simulate one impact of the lower cap or corner, from its touch to the end of its force.
 
@@ -138,16 +139,17 @@ def impact(
     rod : length, inertia and ends
     law : contact law; default `coulomb(restitution=0.65)`
     integrator : "leapfrog", "verlet", "gear", or the adaptive "dop853" with located events, which
-        follows one cap or corner only
+        follows one cap or corner only; "gear" takes no plastic contact, and friction as a
+        constraint up to 10
     dt : step, sqrt(d/g); default a hundredth of the contact time or a quarter of the stable step
     offset : part of a step that is left at the first step until the touch, 0 to 1
-    tolerance : of "dop853", relative, per step, 1e-14 to 1e-3
+    tolerance : of "dop853", relative, per step, 1e-14 to 1e-3, default 1e-13
 
     Raises
     ------
     ValueError
-        If an argument is out of its domain, the contact point does not approach the plate, the
-        step is not stable or the plate too soft.
+        If an argument is out of its domain or has no meaning, the contact point does not approach
+        the plate, the step is not stable or the plate too soft.
     RunError
         If the state stops being finite, or friction switches without an end.
     """
@@ -158,8 +160,17 @@ def impact(
     velocity = tuple(number(name, value, -1e6, 1e6) for name, value in given.items())
     if integrator not in INTEGRATORS:
         raise InputError(f"integrator must be one of {', '.join(INTEGRATORS)}, got {integrator!r}")
+    useless, value = ("dt", dt) if integrator == "dop853" else ("tolerance", tolerance)
+    if value is not None:
+        raise InputError(f"{useless} has no meaning under {integrator}, got {value!r}")
     offset = number("offset", offset, 0.0, 1.0)
     effects = effects_of(rod, law, friction, None, None)
+    if integrator == "gear":
+        if law.normal.plastic:
+            raise InputError("gear needs a restitution above 0, got a plastic contact")
+        if law.spring is None and friction > _ROUGH:
+            limit = f"at most {_ROUGH:g} under gear, as a constraint"
+            raise InputError(f"friction must be {limit}, got {friction!r}")
     end = lower_end(effects, tilt)
     speed = -(velocity[1] - velocity[2] * end.arm(tilt)[0])
     if not speed > 0:
@@ -169,7 +180,7 @@ def impact(
     method = "leapfrog" if integrator == "dop853" else integrator
     step = _step(law, effects, speed, tilt, dt, method)
     if integrator == "dop853":
-        tolerance = number("tolerance", tolerance, 1e-14, 1e-3)
+        tolerance = number("tolerance", 1e-13 if tolerance is None else tolerance, 1e-14, 1e-3)
         done = reference.follow(effects, tilt, velocity, tolerance)
         step = nan
     else:

@@ -18,7 +18,7 @@ TOGETHER = {  # files that one process works through, as they share what it has 
     "derivations": "derivations generated kernel lookup mutants report",
     "figures": "figures_checks figures_claims figures_paper figures_theory own_rods",
     "flights": "bouncing documentation figures_cost flight",
-    "rods": "annulus contacts energy guards neighbours resume runs touches",
+    "rods": "annulus contacts energy guards neighbours resume runs tolerance touches trajectory",
 }
 
 gc.set_threshold(100_000, 20, 100)  # what is made here is large; Python's own costs 7 % of the time

@@ -212,4 +212,5 @@ def test_records_have_the_means_and_phases_of_the_run(made, kind):
     step = 2 * np.pi / result.steps_per_period  # in which the plate's velocity is taken once
     at_phases = speed * np.cos(found["phase"])
     assert_allclose(found["plate_velocity"], at_phases, atol=1.01 * step * speed)
+    assert getattr(md.records, kind)(np.concatenate(rows), result).equals(found)
     assert getattr(md.records, kind)([], result).sizes == {along: 0}
