@@ -25,8 +25,7 @@ tangential `Spring`. It is numbers alone, so a store knows it and other processe
 >>> law = md.Law("mine", md.Normal(5e6, constant=300.0), md.Spring(root=1.5e7, damping_ratio=1.0))
 >>> hit = md.impact(radians(20), 0.5, -1.0, friction=0.4, law=law)
 >>> plate = md.Contact(law, friction=0.4)
->>> own = replace(md.load("single_rod"), contacts=md.Contacts(plate=plate))
->>> result = md.run(own, periods=20)
+>>> own = replace(md.load("single_rod"), contacts=md.Contacts(plate=plate))  # for `md.run`
 
 After `md.LAWS["mine"] = function`, which returns a `Law`, "mine" is a value of the key
 `contacts.plate.law` in this process, and the arguments of the function are keys beside it: in

@@ -2,8 +2,10 @@
 
 import gc
 import os
+import re
 import signal
 import time
+import tomllib
 from pathlib import Path
 
 import matplotlib as mpl
@@ -17,9 +19,11 @@ from md.cache import digest
 TOGETHER = {  # files that one process works through, as they share what it has computed
     "derivations": "derivations generated kernel lookup mutants report",
     "figures": "figures_checks figures_claims figures_paper figures_theory own_rods",
-    "flights": "bouncing documentation figures_cost flight",
-    "rods": "annulus contacts energy guards neighbours resume runs tolerance touches trajectory",
+    "kernels": "annulus bouncing contacts documentation energy figures_cost figures_pages flight"
+    " guards help neighbours resume runs tolerance touches trajectory",
 }
+
+LONGER = tomllib.loads(Path(__file__).with_name("longer.toml").read_text("utf-8"))
 
 gc.set_threshold(100_000, 20, 100)  # what is made here is large; Python's own costs 7 % of the time
 os.environ.setdefault("SYMPY_CACHE_SIZE", "None")  # its own limit costs a fifth of SymPy's time
@@ -39,6 +43,13 @@ class Together(LoadFileScheduling):
 
 def pytest_xdist_make_scheduler(config, log):
     return Together(config, log)
+
+
+@pytest.hookimpl(tryfirst=True)  # before pytest leaves out what is slow
+def pytest_collection_modifyitems(items):
+    for item in items:
+        if any(re.match(name, item.name) for name in LONGER.get(item.path.stem, ())):
+            item.add_marker(pytest.mark.slow)
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -86,7 +86,7 @@ def test_touches_tell_who_gave_the_momentum():
     """
     engine, every, of_plate = prepare(row("box.length=6.5")), [], []
     start = engine.rods[:, C_X].sum()
-    for _ in range(50 * engine.per):
+    for _ in range(20 * engine.per):
         state = go(engine, 1).state
         every.append(state.before[:, 0] * engine.dt)
         of_plate.append(state.forces[:, :, 1].sum(axis=1) * engine.dt)

@@ -26,7 +26,7 @@ KEPT = ".py .toml .json .csv .mplstyle .typed .html .css .js .jinja"
 COMMANDS = {
     "import": (f"-c {shlex.quote(WHERE)}", 0, VERSION),
     "generate": ("-m derivations generate", 2, "needs a source checkout"),
-    "impact": ("-m md impact --tilt-deg 20 --c-x 0.5 --c-z -1", 0, "slip-stick"),
+    "impact": ("-m md impact --tilt-deg 20 --c-x .5 --c-z -1 --integrator dop853", 0, "slip-stick"),
     "explore": ("-m figures explore --html out/impact.html", 0, "impact.html"),
     "draw": ("-m figures draw fig10 --quick", 0, "fig10.png"),
 }
