@@ -277,8 +277,8 @@ def expand(tables: Mapping, base: Mapping | None = None) -> Sweep:
         If an axis is empty, or a point is not a scene that can run; the message names
         the point.
     """
-    base = base or scene_beside("", tables)
     tabled("a sweep", tables, (), _KEYS)
+    base = base or scene_beside("", tables)
     periods = whole("periods", tables.get("periods", 200), 1, MOST_PERIODS)
     chosen = {key: tables[key] for key in ("tolerance", "max_seconds") if key in tables}
     if chosen:

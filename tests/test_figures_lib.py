@@ -77,9 +77,9 @@ def test_sources_are_those_that_decide(tmp_path, monkeypatch):
         shutil.copytree(ROOT / folder, tmp_path / folder)
     monkeypatch.setattr(kept, "_HOUSE", tmp_path)
 
-    def digest():
+    def digest(name="fig10"):
         kept._digest.cache_clear()
-        return kept.sources("fig10")
+        return kept.sources(name)
 
     before = digest()
     for name, counts in {
@@ -95,6 +95,9 @@ def test_sources_are_those_that_decide(tmp_path, monkeypatch):
         path.write_text(f"{text}\nANOTHER = 1\n")
         assert (digest() != before) == counts
         path.write_text(text)
+    before, table = digest("two_codes"), tmp_path / "figures/checks/two_codes.toml"
+    table.write_text(table.read_text() + "# another run\n")
+    assert digest("two_codes") != before
     kept._digest.cache_clear()
 
 

@@ -118,6 +118,19 @@ def test_fig11_follows_its_values(friction, restitution):
     plt.close(picture)
 
 
+@pytest.mark.parametrize(
+    ("friction", "curves"), [(0.0, ["rise", "slip-stick", "slip"]), (np.inf, ["drift", "rise"])]
+)
+def test_fig11_names_the_curves_that_it_draws(friction, curves):
+    """Nothing says how fast rods drift without friction; none reverses that friction holds."""
+    picture = fig11.draw(fig11.data(quick=True, friction=friction))
+    (ax,) = picture.axes
+    named = {line.get_label().split()[0]: line for line in ax.lines if line.get_label()[0] != "_"}
+    assert [name for name in named if name != "roots"] == curves
+    assert all(np.isfinite(line.get_ydata()).any() for line in named.values())
+    plt.close(picture)
+
+
 # Fig. 12: soft impacts
 
 

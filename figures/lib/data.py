@@ -1,8 +1,8 @@
 """Data of figures, kept: what NAME.npz in a folder holds is read if it is of the present sources.
 
 Sources are the syntax trees (`md.cache.code_of`) of `md`, of `impact` and of what the figure's
-module imports from here, and the tables (TOML, JSON) of `md`: an edit of words keeps the data, an
-edit of a number or a formula does not.
+module imports from here, and the tables (TOML, JSON) of `md` and beside these modules: an edit of
+words keeps the data, an edit of a number or a formula does not.
 """
 
 import ast
@@ -30,8 +30,8 @@ _HOUSE = Path(__file__).parents[2]
 
 
 def _imports(path: Path, found: set[Path]) -> set[Path]:
-    """Add a file of `figures`, and all that it imports from there."""
-    found.add(path)
+    """Add a file of `figures`, its table, and all that it imports from there."""
+    found.update(file for file in (path, path.with_suffix(".toml")) if file.is_file())
     for node in ast.walk(ast.parse(path.read_bytes())):
         if isinstance(node, ast.ImportFrom) and node.level:
             base = path.parents[node.level - 1] / (node.module or "").replace(".", "/")

@@ -53,13 +53,19 @@ def data(quick: bool = False, friction: float = 0.3, restitution: float = 0.65) 
 
 
 def _curves(ax: plt.Axes, d: Data) -> None:
-    tilt_deg, reverses = np.degrees(d["tilt"]), d["regime"] == Regime.SLIP_REVERSAL
-    ax.plot(tilt_deg, d["c_x"], color=SIMULATED, label=r"drift $c_x'$")
+    tilt_deg = np.degrees(d["tilt"])
+    drifts = np.isfinite(d["c_x"]).any()  # without friction nothing says how fast
+    ax.plot(tilt_deg, d["c_x"], color=SIMULATED, label=r"drift $c_x'$" if drifts else None)
     ax.plot(tilt_deg, d["c_z"], "-.", color=ANOTHER, label=r"rise $c_z'$")
-    branches = ("stick", "slip-stick (26)", reverses), ("reversal", "slip reversal (29)", ~reverses)
-    for (name, words, unphysical), colour in zip(branches, REGIME_COLOURS[1:], strict=True):
+    branches = {
+        "stick": (Regime.SLIP_STICK, "slip-stick (26)"),
+        "reversal": (Regime.SLIP_REVERSAL, "slip reversal (29)"),
+    }
+    for (name, (regime, words)), colour in zip(branches.items(), REGIME_COLOURS[1:], strict=True):
+        c_x = d[f"{name}_c_x"]
+        unphysical = np.isfinite(c_x) & (d["regime"] != regime)
         label = f"{words} where it does not hold" if unphysical.any() else None
-        ax.plot(tilt_deg, d[f"{name}_c_x"], "--", color=colour, zorder=1.9, label=label)
+        ax.plot(tilt_deg, c_x, "--", color=colour, zorder=1.9, label=label)
     edges = critical_deg(d)
     label = f"roots of (23): {', '.join(f'{edge:.2f}°' for edge in edges)}"
     for edge in edges:
@@ -78,7 +84,7 @@ def _end(ax: plt.Axes, d: Data, upper: float) -> None:
     _curves(inset, d)
     left, middle = 2 * upper - 90, (upper + 90) / 2
     near = tilt_deg >= left
-    top = 1.25 * max(d["stick_c_x"][near].max(), d["reversal_c_x"][near].max())
+    top = 1.25 * max(d[name][near].max() for name in ("stick_c_x", "reversal_c_x", "c_z"))
     inset.set(xlim=(left, 90), ylim=(0, top))
     inset.locator_params(nbins=3)
     place = middle, np.interp(middle, tilt_deg, d["c_x"])
