@@ -5,7 +5,6 @@ import os
 import re
 import signal
 import time
-import tomllib
 from pathlib import Path
 
 import matplotlib as mpl
@@ -16,6 +15,8 @@ from figures.lib import runs as rows
 from impact._generated import DIGEST
 from md.cache import digest
 
+from .command_line import read_toml
+
 TOGETHER = {  # files that one process works through, as they share what it has computed
     "derivations": "derivations generated kernel lookup mutants report",
     "figures": "figures_checks figures_claims figures_paper figures_theory own_rods",
@@ -23,7 +24,7 @@ TOGETHER = {  # files that one process works through, as they share what it has 
     " guards help neighbours resume runs tolerance touches trajectory",
 }
 
-LONGER = tomllib.loads(Path(__file__).with_name("longer.toml").read_text("utf-8"))
+LONGER = read_toml("tests/longer.toml")
 
 gc.set_threshold(100_000, 20, 100)  # what is made here is large; Python's own costs 7 % of the time
 os.environ.setdefault("SYMPY_CACHE_SIZE", "None")  # its own limit costs a fifth of SymPy's time

@@ -12,7 +12,7 @@ from types import FunctionType
 import matplotlib.pyplot as plt
 import pytest
 
-from .command_line import PACKAGES, ROOT, called
+from .command_line import PACKAGES, ROOT, called, read_toml
 from .test_imports import modules
 
 # The public modules; of each, what `__all__` holds is public, and nothing else is.
@@ -201,3 +201,12 @@ def test_the_layout_names_every_file(package):
     modules = {path.relative_to(folder).with_suffix("").as_posix() for path in folder.rglob("*.py")}
     alone = {name for name in modules if not name.startswith(tuple(f"{r}/" for r in rooms))}
     assert {name for name in alone if not name.endswith("__init__")} == named - rooms
+
+
+@pytest.mark.parametrize(("file", "names"), read_toml("tests/longer.toml").items())
+def test_the_list_of_longer_tests_names_tests(file, names):
+    """A test of another name would come back to the quick ones unseen."""
+    there = re.findall(r"^def (test_\w+)", (ROOT / f"tests/{file}.py").read_text("utf-8"), re.M)
+    for name in names:
+        begin = re.match(r"\w+", name)[0]
+        assert any(one.startswith(begin) for one in there)
