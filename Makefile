@@ -23,7 +23,6 @@ paper: .venv/ready
 test: .venv/ready
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/mypy
 	$(BIN)/python -m pytest $(TOGETHER)
 
 slow: .venv/ready

@@ -185,7 +185,7 @@ def _loop(law: str):
             before = c_x
             c_x, speed, hits, regime = meet(before, v_0, held)
             plate = gamma * np.cos(phase)
-            out[j] = (
+            one = (
                 period,
                 phase,
                 before / gamma,
@@ -198,6 +198,8 @@ def _loop(law: str):
                 float(hits),
                 float(regime),
             )
+            for i in range(len(one)):  # an assignment of all at once compiles 2 s longer
+                out[j, i] = one[i]
         return phase, speed, c_x, period
 
     def whole(start, held, transient, out):

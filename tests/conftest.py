@@ -19,9 +19,9 @@ from .command_line import read_toml
 
 TOGETHER = {  # files that one process works through, as they share what it has computed
     "derivations": "derivations generated kernel lookup mutants report",
-    "figures": "figures_checks figures_claims figures_paper figures_theory own_rods",
+    "figures": "figures_checks figures_claims figures_paper figures_theory",
     "kernels": "annulus bouncing contacts documentation energy figures_cost figures_pages flight"
-    " guards help neighbours resume runs tolerance touches trajectory",
+    " guards help neighbours own_rods resume runs tolerance touches trajectory",
 }
 
 LONGER = read_toml("tests/longer.toml")

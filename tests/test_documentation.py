@@ -12,7 +12,7 @@ from types import FunctionType
 import matplotlib.pyplot as plt
 import pytest
 
-from .command_line import PACKAGES, ROOT, called, read_toml
+from .command_line import PACKAGES, ROOT, called, python, read_toml
 from .test_imports import modules
 
 # The public modules; of each, what `__all__` holds is public, and nothing else is.
@@ -155,6 +155,11 @@ def told(result: md.Result, sweep: md.sweep.Sweep, bounced: Bouncing) -> None:
 
 impact.collide(0.1, -0.2, geometry=rods, frictio=0.3, restitution=0.65)  # type: ignore
 """
+
+
+def test_types_hold():
+    checked = python("-m", "mypy")
+    assert checked.returncode == 0, checked.stdout
 
 
 def test_a_script_under_strict_mypy_has_numbers_and_arrays(tmp_path):

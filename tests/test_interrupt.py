@@ -268,7 +268,7 @@ def test_without_the_compiler(command, code, tmp_path):
 BEGUN = {
     "md": "sweep drift --store a.db",
     "impact": "benchmark",
-    "figures": "claims --quick",
+    "figures": "draw --all",
     "derivations": "check",
 }
 
