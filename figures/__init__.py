@@ -13,7 +13,8 @@ paper, theory, checks, cost         rooms: one module for each of `FIGURES`, and
 lib                                 style, runs of rows and annuli, soft impacts, printing, files
 claims                              the paper's claims, the numbers behind them, the verdicts
 pages                               one page of everything, README, animation, window of sliders
-__main__                            the commands
+early_signals                       signals during imports
+command_line, __main__              the commands
 
 A module of a figure has `data(quick)`, which computes arrays by name, and `draw(data)`; perhaps
 `sweeps(quick)`, the runs it needs. Only `__main__` writes files: what
@@ -23,7 +24,7 @@ A module of a figure has `data(quick)`, which computes arrays by name, and `draw
 To add a figure: write its module in a room, and its line in figures.toml.
 """
 
-from impact import InputError  # first, for its `early_signals`
+from . import early_signals  # noqa: F401  (before slow imports)
 
 # isort: split
 import tomllib
@@ -33,6 +34,8 @@ from difflib import get_close_matches
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
+
+from impact import InputError
 
 __all__ = ["FIGURES", "Entry", "check", "load"]
 

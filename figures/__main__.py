@@ -13,9 +13,9 @@ from typing import Any, NoReturn
 import click
 
 from impact import InputError
-from impact.command_line import Commands
 
 from . import FIGURES, check
+from .command_line import Commands
 from .lib.printing import plain, printed
 
 PRICES = "prices.txt", "prices.json", "prices.png"

@@ -28,9 +28,7 @@ pairs                               two bodies of any masses that meet: `collide
 boundaries, translation             regime boundaries; the drift, its stability, the best tilt
 compiled                            the map as Numba kernels, the same bits
 flight, bouncing                    exact flights over the plate, and a rod that makes them
-early_signals                       signals during imports
 _jit, _interrupt                    Numba's compiler; signals that wait until it is done
-benchmark, __main__, command_line   time per impact; its command
 
 To add a function
 -----------------
@@ -42,9 +40,6 @@ To add a function
 4. Give `tests/test_public_api.py` its arguments and what it refuses.
 """
 
-from . import early_signals  # noqa: F401  (before slow imports)
-
-# isort: split
 from ._arguments import InputError
 from ._impacts import Regime
 from .boundaries import (

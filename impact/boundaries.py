@@ -37,7 +37,7 @@ def critical_tilts(friction: Any) -> tuple[Any, Any]:
         If a scalar friction is negative.
     """
 
-    def block(mu: Any) -> tuple[Any, ...]:
+    def block(mu):
         root = np.sqrt((3 - 4 * mu) * (3 + 4 * mu))  # nan beyond the end, mu = 3/4
         a, b, c = closed.critical_tangents(mu, root)
         return np.arctan2(a, b), np.arctan2(b, c)
@@ -115,7 +115,7 @@ def slide_friction(geometry: ContactGeometry, *, approach_ratio: Any, restitutio
         If a scalar argument is out of its domain.
     """
 
-    def block(X: Any, Z: Any, k: Any, ratio: Any, epsilon: Any) -> tuple[Any, ...]:
+    def block(X, Z, k, ratio, epsilon):
         above, below = closed.slide_friction(*unit_lengths(X, Z, k), (1 + epsilon) * ratio)
         return (np.where(below > 0, np.maximum(above, 0.0) / below, np.inf),)
 
@@ -150,7 +150,7 @@ def energy_restitution(geometry: ContactGeometry, friction: Any) -> Any:
         If a scalar argument is out of its domain.
     """
 
-    def block(X: Any, Z: Any, k: Any, mu: Any) -> tuple[Any, ...]:
+    def block(X, Z, k, mu):
         x, z, k = unit_lengths(np.abs(X), np.abs(Z), k)  # A, B, C are times k^2, D times k^4
         A, B, C = k * k + x * x, x * z, k * k + z * z
         reverses = mu * C < B

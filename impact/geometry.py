@@ -57,7 +57,7 @@ ROUND = 1 + 2.0**-23  # diameter over length of a sphere in single precision, at
 def _rod(contact: Callable[..., tuple], tilt: Any, **sizes: Any) -> ContactGeometry:
     """Contact geometry from `contact(sin, cos, *sizes)`; arguments held to their domains."""
 
-    def block(phi: Any, *lengths: Any) -> tuple[Any, ...]:
+    def block(phi, *lengths):
         phi = np.clip(phi, -np.pi / 2, np.pi / 2)  # cos >= 0
         return contact(np.sin(phi), np.cos(phi), *lengths)
 
@@ -97,7 +97,7 @@ def thin_rod(tilt: Any, length: Any = 1.0) -> ContactGeometry:
     Section IV of the paper. Mirror-symmetric bit for bit: `tilt -> -tilt` turns X to -X.
     """
 
-    def contact(sin: Any, cos: Any, length: Any) -> tuple[Any, ...]:
+    def contact(sin, cos, length):
         return length * sin / 2, length * cos / 2, length / np.sqrt(12.0)
 
     return _rod(contact, tilt, length=length)
@@ -132,7 +132,7 @@ def spherocylinder(tilt: Any, length: Any, diameter: Any = 1.0) -> ContactGeomet
     our copy of the paper is wrong in two of its four terms.
     """
 
-    def contact(sin: Any, cos: Any, length: Any, diameter: Any) -> tuple[Any, ...]:
+    def contact(sin, cos, length, diameter):
         lacks = diameter - ROUND * length
         if np.ndim(lacks) == 0 and 0 < lacks < np.inf:
             raise InputError(f"length must be >= diameter ({diameter:g}), got {length:g}")
@@ -170,7 +170,7 @@ def flat_ended_rod(tilt: Any, length: Any, diameter: Any = 1.0) -> ContactGeomet
     the sign of the zero chooses the edge (+0.0: the limit from positive tilts).
     """
 
-    def contact(sin: Any, cos: Any, length: Any, diameter: Any) -> tuple[Any, ...]:
+    def contact(sin, cos, length, diameter):
         X, Z, gyration = closed.flat_rod(length, diameter, diameter / length, np.abs(sin), cos)
         return np.copysign(1.0, sin) * X, Z, length * np.sqrt(gyration)
 

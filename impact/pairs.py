@@ -55,7 +55,7 @@ class Body(NamedTuple, Generic[Number]):
             If an argument is not a real number.
         """
 
-        def block(angle: Any, X: Any, Z: Any, c_x: Any, c_z: Any) -> tuple[Any, ...]:
+        def block(angle, X, Z, c_x, c_z):
             along, across = np.cos(angle), np.sin(angle)
             place = along * X - across * Z, across * X + along * Z
             return *place, along * c_x - across * c_z, across * c_x + along * c_z

@@ -78,7 +78,7 @@ def drift(
         which the closure has no impact at all, so that it cannot explain a reverse drift.
     """
 
-    def block(X: Any, Z: Any, k: Any, mu: Any, epsilon: Any, V_z: Any) -> tuple[Any, ...]:
+    def block(X, Z, k, mu, epsilon, V_z):
         x, z, k = unit_lengths(np.abs(X), np.abs(Z), k)
         k = np.maximum(k, 1e-153)  # x^2 stays; below it c_x is the same and c_z next to nothing
         x, z = x / k, z / k
@@ -141,7 +141,7 @@ def relaxation(geometry: ContactGeometry, *, friction: Any, restitution: Any) ->
     2.607
     """
 
-    def block(X: Any, Z: Any, k: Any, mu: Any, epsilon: Any) -> tuple[Any, ...]:
+    def block(X, Z, k, mu, epsilon):
         x, z, k = unit_lengths(np.abs(X), np.abs(Z), k)
         k = np.maximum(k, 1e-70)  # k^4 stays; there the contact sticks, or a deviation does
         held = np.minimum(mu / closed.critical_friction(x, z, k), 1.0)
@@ -207,7 +207,7 @@ def optimal_tilt(*, friction: Any, restitution: Any) -> Optimum:
     (13.21, 3.32, 'SLIP_STICK')
     """
 
-    def block(mu: Any, epsilon: Any) -> tuple[Any, ...]:
+    def block(mu, epsilon):
         mu, a, b = np.where(mu > 0, mu, np.nan), 1 - epsilon, 7 - epsilon
         weak = np.minimum(mu, 0.75)  # beyond it the contact sticks at every tilt
         back, along_back = closed.optimum_back(
@@ -269,7 +269,7 @@ def landing_density(phase: Any, *, fall_speed: Any = 1.0) -> Any:
         If an argument is not a real number or an array of them.
     """
 
-    def block(theta: Any, q: Any) -> tuple[Any, ...]:
+    def block(theta, q):
         start, end = landing_phases(np.minimum(q, 1.0))
         since = np.mod(theta - start, 2 * np.pi)
         met = (q >= 1) | (since <= end - start)

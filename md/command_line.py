@@ -1,6 +1,6 @@
 """A group of commands that end with an exit code and, where they fail, one line of standard error.
 
-The same file stands in `derivations`, `impact` and `md`, of which none imports another.
+The same file stands in `derivations`, `figures` and `md`.
 """
 
 import os

@@ -1,7 +1,7 @@
 """Ctrl-C while a command is being imported: it ends at once, as nothing was begun.
 
-The first import of each package; SIGTERM ends it likewise by itself. The same file stands in
-`derivations`, `impact` and `md`, of which none imports another.
+The first import of each package with commands; SIGTERM ends it likewise by itself. The same file
+stands in `derivations`, `figures` and `md`.
 """
 
 import signal

@@ -28,8 +28,6 @@ from figures.cost.scene_variants import FULL, Variant
 from figures.lib import timing
 from figures.lib.data import keep, made
 from figures.lib.soft_impacts import one_impact
-from impact.__main__ import main as impact_main
-from impact.benchmark import random_impacts, table
 from md.accuracy import steps_per_contact
 
 from .command_line import names_in
@@ -50,7 +48,7 @@ def test_every_figure(name):
 @each_law
 def test_exact_values_are_those_of_the_integration(law):
     """The figures' many digits against an integration that shares no formula with them."""
-    impacts = random_impacts(60, seed=2)
+    impacts = exact_impacts.random_impacts(60, seed=2)
     integrated = Impacts(**impacts._asdict())
     true = exact_impacts.reference(impacts, law)
     assert set(true.regime) == {1, 2, 3}
@@ -67,7 +65,7 @@ def test_exact_values_are_those_of_the_integration(law):
 
 def test_error_is_counted_in_units_in_the_last_place():
     """Results moved by three units of the scale come out as 3, nan as infinitely wrong."""
-    true = exact_impacts.reference(random_impacts(50, seed=8))
+    true = exact_impacts.reference(exact_impacts.random_impacts(50, seed=8))
     exact = dict(zip(exact_impacts.FIELDS, true.high, strict=True))
     for j, field in enumerate(exact_impacts.FIELDS):
         moved = {field: true.high[j] + 3 * np.spacing(true.scale[j])}
@@ -96,14 +94,10 @@ def test_errors_are_where_the_digits_of_each_way_end():
     assert printed > 1e-3  # sticking in the Painleve region, taken for a slide
 
 
-def test_benchmark(capsys):
-    """Every time is there and positive, those of compiling apart."""
-    assert impact_main(["benchmark", "--impacts", "300", "--json"]) == 0
-    result = json.loads(capsys.readouterr().out)
-    ways = {f"{way} {law}" for way in ("numpy", "compiled") for law in LAWS}
-    assert set(result["ns_per_impact"]) == ways
-    assert min(*result["ns_per_impact"].values(), result["compile_seconds"]) > 0
-    assert all(name in table(result) for name in ways)
+def test_an_impact_is_timed_under_each_law_both_ways():
+    times = price_page.impact_times(300)
+    assert set(times) == {f"{way} {law}" for way in ("numpy", "compiled") for law in LAWS}
+    assert min(times.values()) > 0
 
 
 # Soft impacts: errors of the integration

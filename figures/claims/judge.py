@@ -106,9 +106,8 @@ def judge(quick: bool = False, progress: bool = False, out: Path | None = None) 
     """
     from tqdm import tqdm
 
-    from impact.benchmark import machine
-
-    from . import any_rods  # late, as in `measure`
+    from ..lib.timing import machine  # late, as in `measure`
+    from . import any_rods
     from .evidence import ASSUMED, Assumed, Evidence
 
     evidence, simple, judged = Evidence(quick, out), Assumed(quick), []

@@ -9,11 +9,10 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from impact import collide
-from impact.benchmark import random_impacts
 
 from ..lib.style import BLACK, BLUE, RED, Data, log_log, style
 from ..lib.timing import medians, repeated
-from .exact_impacts import FIELDS, Impacts, literal, reference
+from .exact_impacts import FIELDS, Impacts, literal, random_impacts, reference
 
 TIMED_RUNS = 7
 WAYS = (  # label, colour, marker

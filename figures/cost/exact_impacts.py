@@ -1,4 +1,4 @@
-"""What figures measure errors against: impacts in many digits, and the paper's formulas as printed.
+"""Random impacts, the same in many digits, and the paper's formulas as they are printed.
 
 `exact` runs the text of the impact map on mpmath numbers, one impact at a time. `literal` evaluates
 the formulas of the paper's Sec. IV in the structure in which they are printed, with their mistakes
@@ -12,15 +12,27 @@ from typing import Any, NamedTuple
 import mpmath
 import numpy as np
 
-from impact import Regime, collide
+from impact import Regime, collide, spherocylinder
 from impact._impacts import Impacts
-from impact.benchmark import random_impacts
 
 from ..lib.style import RESTITUTION_LAWS
 
 SLIP_REGIMES = (Regime.SLIDE, Regime.SLIP_STICK, Regime.SLIP_REVERSAL)
 DIGITS = 50  # of what errors are measured against
 FIELDS = ("c_x", "c_z", "P_x", "P_z", "omega")
+
+
+def random_impacts(n: int, seed: int = 1) -> Impacts:
+    """Arrays of n impacts: velocities and friction log-uniform over six decades, all tilts."""
+    rng = np.random.default_rng(seed)
+    tilt, length = rng.uniform(-np.pi / 2, np.pi / 2, n), 1 + 10 ** rng.uniform(-2, 1.5, n)
+    X, Z, k = spherocylinder(tilt, length)
+    sizes = 10 ** rng.uniform(-3, 3, (5, n))
+    c_x, c_z, spin, V_z = sizes[:4] * rng.choice([-1, 1], (4, n))
+    omega = spin / k
+    towards = np.where(c_z - V_z + omega * X < 0, 1.0, -1.0)  # every pair approaches
+    c_x, c_z, omega, V_z = (towards * value for value in (c_x, c_z, omega, V_z))
+    return Impacts(c_x, c_z, omega, V_z, X, Z, k, sizes[4], rng.uniform(0, 1, n))
 
 
 @cache

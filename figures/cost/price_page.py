@@ -1,20 +1,23 @@
 """All prices on one page: what accuracy costs, what each effect costs, what more rods cost."""
 
 from collections.abc import Iterable, Mapping
+from functools import partial
 from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from impact.benchmark import benchmark
+from impact import collide, compiled
+from impact.collision import LAWS
 
 from .. import FIGURES, load
 from ..lib.style import RESTITUTION_LAWS, name_panels, note, style
-from ..lib.timing import machine_line
+from ..lib.timing import machine_line, medians, repeated
 from . import accuracy_cost_drift, accuracy_cost_ladder, effect_prices, exact_impacts
 
 PRICE_PANELS = {name: entry.panel for name, entry in FIGURES.items() if entry.panel}
 IMPACTS, CHECKED = 200_000, 20_000  # timed; compared with many digits
+RUNS = 9  # of each way to time an impact
 LAYOUT = [
     ["accuracy_cost_ladder", "accuracy_cost_ladder"],
     ["effect_prices", "effect_prices"],
@@ -40,6 +43,17 @@ def draw(found: Found) -> plt.Figure:
     return figure
 
 
+def impact_times(n: int) -> dict[str, float]:
+    """Median ns of an impact under each law, by NumPy and compiled, over n random impacts."""
+    impacts = exact_impacts.random_impacts(n)
+    calls = {
+        f"{way} {law}": repeated(partial(impacts.collide, function, law))
+        for way, function in {"numpy": collide, "compiled": compiled.collide}.items()
+        for law in LAWS
+    }
+    return dict(zip(calls, (1e9 / n * medians([*calls.values()], RUNS)).tolist(), strict=True))
+
+
 def numbers(found: Found) -> dict[str, Any]:
     """What the figures measured, for other programs, and what one impact costs.
 
@@ -62,7 +76,7 @@ def numbers(found: Found) -> dict[str, Any]:
         "drift_cm_s": effects["drift"][:, 0],
         "rods": _rows(("count", "ns"), rods["counts"], rods["row"][:, :2]),
         "cores": _rows(("count", "gain"), rods["workers"], gain),
-        "impact_ns": benchmark(IMPACTS)["ns_per_impact"],
+        "impact_ns": impact_times(IMPACTS),
         "impact_ulp": _rows(("law", "largest"), RESTITUTION_LAWS, largest),
     }
 

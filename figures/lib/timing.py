@@ -8,15 +8,18 @@ those of the quieter rounds. Where code and arrays lie in memory moves times by 
 cent; this is no part of the errors.
 """
 
+import os
+import platform
 from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
 from time import thread_time
 from timeit import timeit
 from typing import Any, NamedTuple
 
+import numba
 import numpy as np
 from tqdm import tqdm
 
-from impact.benchmark import machine
 from md.host import Engine, prepare
 from md.kernels.march import Series
 from md.scene import Scene
@@ -121,6 +124,20 @@ def seconds_per_period(scenes: Sequence[Scene]) -> np.ndarray:
         return lambda: onward(engine, SAMPLE_PERIODS * engine.per) / SAMPLE_PERIODS
 
     return np.median(in_turn([*map(sampler, scenes)], SAMPLES), axis=0)
+
+
+def machine() -> dict[str, Any]:
+    """Processor, cores and versions of this machine."""
+    cpuinfo = Path("/proc/cpuinfo")
+    lines = cpuinfo.read_text(encoding="utf-8").splitlines() if cpuinfo.is_file() else []
+    named = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
+    return {
+        "processor": named[0] if named else platform.processor() or platform.machine(),
+        "cores": os.cpu_count(),
+        "python": platform.python_version(),
+        "numpy": np.__version__,
+        "numba": numba.__version__,
+    }
 
 
 def machine_line(load: float) -> str:
