@@ -26,7 +26,7 @@ def data(quick: bool = False) -> Data:
     """Seconds per impact, largest and median error, over `WAYS`."""
     from impact import compiled
 
-    n, checked = (100_000, 2_000) if quick else (1_000_000, 20_000)
+    n, checked = (100_000, 1_000) if quick else (1_000_000, 20_000)
     impacts = random_impacts(n, seed=5)
     calls = [  # of `WAYS`
         lambda: impacts.collide(collide),
