@@ -5,9 +5,11 @@ What is heavy is imported within the commands: help and list need no Numba and n
 
 import json
 import os
+import signal
 from contextlib import AbstractContextManager
 from pathlib import Path
 from time import perf_counter
+from types import FrameType
 from typing import Any, NoReturn
 
 import click
@@ -358,11 +360,17 @@ def explore(html: Path, **given: Any) -> None:
     print(html)
 
 
-def _stop(*_: object) -> NoReturn:
+def _stop(number: int, frame: FrameType | None) -> NoReturn:
     """Handle SIGINT as Python does, but by a handler that `md.run` does not take over.
 
-    It would return half of a run, marked as such, to a figure.
+    It would return half of a run, marked as such, to a figure. While a module is being imported the
+    signal ends the process at once: modules of others lose an exception then, or abort.
     """
+    while frame is not None:
+        if frame.f_code.co_filename == "<frozen importlib._bootstrap>":
+            signal.signal(number, signal.SIG_DFL)
+            signal.raise_signal(number)
+        frame = frame.f_back
     raise KeyboardInterrupt
 
 

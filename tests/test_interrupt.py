@@ -194,6 +194,27 @@ def exit_code(monkeypatch, work):
     return end.value.code
 
 
+LOSING = """
+import signal
+try:
+    signal.raise_signal({})
+except BaseException:
+    pass
+"""
+IMPORTING = """
+from figures import __main__, command_line
+main = command_line.Commands("it")
+main.command("work")(lambda: __import__("losing"))
+main.program(__main__._stop)
+"""
+
+
+@each_signal
+def test_a_signal_that_an_import_would_lose_ends_the_command(number, tmp_path):
+    (tmp_path / "losing.py").write_text(LOSING.format(int(number)))
+    assert python("-c", IMPORTING, "work", cwd=tmp_path).returncode == -number
+
+
 @each_signal
 def test_commands_end_with_130_and_one_line(number, monkeypatch, capsys):
     assert exit_code(monkeypatch, lambda: signal.raise_signal(number)) == 130
