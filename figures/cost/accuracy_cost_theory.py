@@ -5,13 +5,15 @@ relative to the largest velocity that takes part. Vertical line: the bytes in an
 copied once. "As printed": the paper's formulas, mistakes corrected.
 """
 
+import os
+
 import matplotlib.pyplot as plt
 import numpy as np
 
 from impact import collide
 
-from ..lib.style import BLACK, BLUE, RED, Data, log_log, style
-from ..lib.timing import medians, repeated
+from ..lib.style import BLACK, BLUE, RED, Data, log_log, note, style
+from ..lib.timing import machine_line, medians, repeated
 from .exact_impacts import FIELDS, Impacts, literal, random_impacts, reference
 
 TIMED_RUNS = 7
@@ -26,6 +28,7 @@ def data(quick: bool = False) -> Data:
     """Seconds per impact, largest and median error, over `WAYS`."""
     from impact import compiled
 
+    load = os.getloadavg()[0]
     n, checked = (100_000, 1_000) if quick else (1_000_000, 20_000)
     impacts = random_impacts(n, seed=5)
     calls = [  # of `WAYS`
@@ -48,6 +51,7 @@ def data(quick: bool = False) -> Data:
         "seconds": np.array(seconds) / n,
         "error": np.array(errors).T,
         "memory_seconds": copy / n,
+        "load": load,
     }
 
 
@@ -68,4 +72,5 @@ def draw(d: Data) -> plt.Figure:
     log_log(ax, xlim=(2, 1e4), ylim=(1e-18, 1e5))
     ax.set(xlabel="time per impact (ns)", ylabel="relative error")
     figure.legend(loc="outside right center", title="filled: largest error\nopen: median")
+    note(figure, machine_line(d["load"]))
     return figure
