@@ -18,7 +18,7 @@ from md.cache import digest
 from .command_line import read_toml
 
 TOGETHER = {  # files that one process works through, as they share what it has computed
-    "derivations": "derivations generated kernel lookup mutants report",
+    "derivations": "derivations generated kernel lookup mutants report wheel",  # long: not last
     "figures": "figures_checks figures_claims figures_paper figures_theory",
     "kernels": "annulus bouncing contacts documentation energy figures_cost figures_pages flight"
     " guards help neighbours own_rods resume runs tolerance touches trajectory",
