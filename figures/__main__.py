@@ -5,12 +5,10 @@ What is heavy is imported within the commands: help and list need no Numba and n
 
 import json
 import os
-import signal
 from contextlib import AbstractContextManager
 from pathlib import Path
 from time import perf_counter
-from types import FrameType
-from typing import Any, NoReturn
+from typing import Any
 
 import click
 
@@ -360,19 +358,5 @@ def explore(html: Path, **given: Any) -> None:
     print(html)
 
 
-def _stop(number: int, frame: FrameType | None) -> NoReturn:
-    """Handle SIGINT as Python does, but by a handler that `md.run` does not take over.
-
-    It would return half of a run, marked as such, to a figure. While a module is being imported the
-    signal ends the process at once: modules of others lose an exception then, or abort.
-    """
-    while frame is not None:
-        if frame.f_code.co_filename == "<frozen importlib._bootstrap>":
-            signal.signal(number, signal.SIG_DFL)
-            signal.raise_signal(number)
-        frame = frame.f_back
-    raise KeyboardInterrupt
-
-
 if __name__ == "__main__":
-    main.program(_stop)
+    main.program()  # `md.run` would return half of a run to a figure, if it took Ctrl-C over

@@ -2,6 +2,7 @@
 
 import inspect
 import json
+import signal
 import sys
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -376,4 +377,4 @@ def results(store: str, csv: str | None) -> None:
 
 if __name__ == "__main__":
     warnings.showwarning = lambda text, *_: print(f"{main.name}: {text}", file=sys.stderr)
-    main.program()
+    main.program(signal.default_int_handler)  # which `md.run` takes over

@@ -7,6 +7,7 @@ import os
 import signal
 import sys
 from collections.abc import Callable, Sequence
+from types import FrameType
 from typing import Any, NoReturn
 
 import click
@@ -17,6 +18,20 @@ def handle(handler: Callable[..., Any] | signal.Handlers) -> None:
     for number in (signal.SIGINT, signal.SIGTERM):
         if signal.getsignal(number) != signal.SIG_IGN:
             signal.signal(number, handler)
+
+
+def stop(number: int, frame: FrameType | None) -> NoReturn:
+    """Handle a signal by KeyboardInterrupt; `md.run` does not take this handler over.
+
+    While a module is being imported the signal ends the process at once: modules of others lose an
+    exception then, or abort.
+    """
+    while frame is not None:
+        if frame.f_code.co_filename == "<frozen importlib._bootstrap>":
+            signal.signal(number, signal.SIG_DFL)
+            signal.raise_signal(number)
+        frame = frame.f_back
+    raise KeyboardInterrupt
 
 
 class Commands(click.Group):
@@ -59,7 +74,7 @@ class Commands(click.Group):
         print(f"{self.name}{f' {command}' if command else ''}: {said}", file=sys.stderr)
         return code
 
-    def program(self, interrupt: Callable[..., Any] = signal.default_int_handler) -> NoReturn:
+    def program(self, interrupt: Callable[..., Any] = stop) -> NoReturn:
         """Run the command of this process and end with its exit code; SIGTERM is Ctrl-C."""
         os.environ["MPLBACKEND"] = "agg"  # pictures go to files, whatever a notebook has set
         try:

@@ -14,6 +14,7 @@ import pytest
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "figures/pages/docs"
 PACKAGES = "derivations", "figures", "impact", "md"
+COMMANDS = "derivations", "figures", "md"  # packages that have some
 each_signal = pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 
 

@@ -157,6 +157,14 @@ impact.collide(0.1, -0.2, geometry=rods, frictio=0.3, restitution=0.65)  # type:
 """
 
 
+def test_public_functions_have_hints():
+    """All but `impact.compiled.collide`, which has the type of `impact.collide`."""
+    functions = {name: x for name, x in NAMES.items() if inspect.isfunction(x)}
+    given = {name: inspect.signature(x).parameters.values() for name, x in functions.items()}
+    bare = {name for name, all_of in given.items() if any(p.annotation is p.empty for p in all_of)}
+    assert bare == {"impact.compiled.collide"}
+
+
 def test_types_hold():
     checked = python("-m", "mypy")
     assert checked.returncode == 0, checked.stdout

@@ -14,9 +14,8 @@ import pytest
 import figures
 import md
 
-from .command_line import python, refused
+from .command_line import COMMANDS, python, refused
 
-COMMANDS = "derivations", "figures", "md"
 GROUPS = {name: importlib.import_module(f"{name}.__main__").main for name in COMMANDS}
 # Beginnings of examples that take a second at most; the others are read, not run.
 CHEAP = ("md impact", "figures list", "md run my_rods --periods")

@@ -15,7 +15,6 @@ import pytest
 from numba.extending import overload
 from numpy.random import default_rng
 
-import figures.__main__
 import impact
 import md
 from derivations import files
@@ -27,7 +26,7 @@ from md.kernels import single
 from md.kernels.codes import WATCHED
 from md.laws import effects_of
 
-from .command_line import ROOT, each_signal, ended, left, python
+from .command_line import COMMANDS, ROOT, each_signal, ended, left, python
 from .rows import go, row
 from .track import CONTACT
 
@@ -61,8 +60,7 @@ def test_all_packages_do_the_same():
     for name in ("plain", "replacing"):
         assert inspect.getsource(getattr(files, name)) == inspect.getsource(getattr(md.files, name))
     for name in ("command_line", "early_signals"):
-        packages = ("derivations", "figures", "md")
-        assert len({(ROOT / package / f"{name}.py").read_bytes() for package in packages}) == 1
+        assert len({(ROOT / package / f"{name}.py").read_bytes() for package in COMMANDS}) == 1
 
 
 def test_handlers_run_at_the_end_of_the_outermost():
@@ -190,7 +188,7 @@ def exit_code(monkeypatch, work):
     monkeypatch.setattr(sys, "argv", ["it", "work"])
     monkeypatch.setattr(os, "dup2", lambda *_: None)  # the output of the tests stays
     with pytest.raises(SystemExit) as end:
-        group.program(figures.__main__._stop)
+        group.program()
     return end.value.code
 
 
@@ -202,10 +200,10 @@ except BaseException:
     pass
 """
 IMPORTING = """
-from figures import __main__, command_line
-main = command_line.Commands("it")
+from figures.command_line import Commands
+main = Commands("it")
 main.command("work")(lambda: __import__("losing"))
-main.program(__main__._stop)
+main.program()
 """
 
 
