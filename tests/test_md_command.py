@@ -10,10 +10,7 @@ from md.__main__ import main
 from md.kernels.contact import Normal
 
 COMMAND = "impact --json --tilt-deg=20 --friction=0.4 --c-x=0.5 --c-z=-1"
-ALL_OPTIONS = (
-    "--omega=0.1 --length=8 --inertia=thin --ends=flat --law=constant_restitution "
-    "--stiffness=1e7 --tangential-ratio=100 --dt=1e-5"
-)
+OF_A_ROD = "--omega=0.1 --length=8 --inertia=thin --ends=flat --stiffness=1e7 --dt=1e-5"
 
 
 def found(capsys, options):
@@ -29,12 +26,17 @@ def found(capsys, options):
     [
         ("", md.coulomb(0.65), {}),
         (
-            ALL_OPTIONS,
-            md.constant_restitution(0.65, 1e7, tangential_ratio=100.0),
+            OF_A_ROD,
+            md.coulomb(0.65, 1e7),
             {"omega": 0.1, "rod": md.Rod(8.0, "thin", "flat"), "dt": 1e-5},
         ),
+        (
+            "--law=constant_restitution --tangential-ratio=100",
+            md.constant_restitution(0.65, tangential_ratio=100.0),
+            {},
+        ),
     ],
-    ids=["few", "all"],
+    ids=["few", "rod", "law"],
 )
 def test_json_holds_all_that_happened(capsys, options, law, given):
     told = found(capsys, f"--restitution=0.65 {options}")

@@ -89,7 +89,7 @@ def outcomes(installed, tmp_path_factory):
     """What every command did, side by side, in an empty folder, with an empty cache."""
     empty, cache = tmp_path_factory.mktemp("empty"), tmp_path_factory.mktemp("cache")
     # Before the checkout, which this environment may hold too; the wheel's folder stays as it is.
-    own = {"PYTHONPATH": str(installed), "PYTHONPYCACHEPREFIX": str(cache)}
+    own = {"PYTHONPATH": str(installed), "PYTHONDONTWRITEBYTECODE": "1"}
     own |= {"XDG_CACHE_HOME": str(cache), "NUMBA_CACHE_DIR": ""}
     before = set(installed.rglob("*"))
 
