@@ -128,7 +128,7 @@ def javascript_runner():
 def run(request):
     """Call a function of one of the languages for many rows, as `run.many` are quick."""
     if request.param == "javascript":
-        return javascript_runner(), 10_000
+        return javascript_runner(), 5_000
     flags = STRICT if request.param == "c" else FUSING
     return c_runner(request.getfixturevalue("header"), flags), 100_000
 
