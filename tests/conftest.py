@@ -20,8 +20,9 @@ from .command_line import read_toml
 TOGETHER = {  # files that one process works through, as they share what it has computed
     "derivations": "derivations generated kernel lookup mutants report wheel",  # long: not last
     "figures": "figures_checks figures_claims figures_paper figures_theory",
-    "kernels": "annulus bouncing contacts documentation energy figures_cost figures_pages flight"
-    " guards help neighbours own_rods resume runs tolerance touches trajectory",
+    "kernels": "annulus bouncing contacts documentation effects energy figures_cost figures_pages"
+    " flight guards help md_command md_hard_cases md_impact md_reference neighbours own_rods resume"
+    " runs tolerance touches trajectory",
 }
 
 LONGER = read_toml("tests/longer.toml")
