@@ -15,6 +15,7 @@ import click
 from . import accuracy, soft_impact
 from .command_line import Commands
 from .domains import InputError
+from .interrupt import deferred
 from .laws import LAWS, Law, Rod
 from .result import finite, result_json
 from .scene import keys, load
@@ -330,7 +331,8 @@ def sweep(sweep: str, store: str, as_json: bool, **how: Any) -> None:
     python -m md sweep drift --store drift.db
     python -m md sweep mine.toml --store mine.db --scheduler tcp://host:8786   # a Dask cluster
     """
-    from . import sweep as sweeps  # late: help needs no joblib
+    with deferred():  # imports of others lose signals
+        from . import sweep as sweeps  # late: help needs no joblib
 
     tally = sweeps.execute(sweeps.load_sweep(sweep), store, progress=not as_json, **how)
     print(_dumps(vars(tally)) if as_json else tally_text(tally))
@@ -349,7 +351,8 @@ def search(search: str, store: str, as_json: bool, **how: Any) -> None:
     python -m md search friction --store fit.db
     python -m md search mine.toml --store mine.db --json
     """
-    from . import search as searches  # late: help needs no joblib
+    with deferred():  # imports of others lose signals
+        from . import search as searches  # late: help needs no joblib
 
     found = searches.search(searches.load_search(search), store, progress=not as_json, **how)
     print(_dumps(finite(search_json(found))) if as_json else search_text(found))

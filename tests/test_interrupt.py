@@ -213,6 +213,13 @@ def test_a_signal_that_an_import_would_lose_ends_the_command(number, tmp_path):
     assert python("-c", IMPORTING, "work", cwd=tmp_path).returncode == -number
 
 
+def test_a_signal_that_a_late_import_would_lose_ends_the_command(tmp_path):
+    """In `md` it is held back until the import is over."""
+    (tmp_path / "joblib.py").write_text(LOSING.format(int(signal.SIGTERM)))
+    done = python("-m", "md", "sweep", "drift", "--store", "a.db", cwd=tmp_path)
+    assert (done.returncode, done.stderr.count("\n")) == (130, 1)
+
+
 @each_signal
 def test_commands_end_with_130_and_one_line(number, monkeypatch, capsys):
     assert exit_code(monkeypatch, lambda: signal.raise_signal(number)) == 130
