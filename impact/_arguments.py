@@ -169,12 +169,18 @@ def real_arrays(
     """Arguments of a call as real arrays, and the dtype of the results.
 
     It is float32 if the arguments are, where Python's numbers and float64 scalars do not count;
-    else float64. Labelled arguments whose labels differ raise `InputError`.
+    else float64. Arguments that do not broadcast, and labelled ones whose labels differ, raise
+    `InputError`.
     """
     values = list(arguments.values())
     if not _PLAIN.issuperset(map(type, values)):
         _refuse_unlike(arguments)
     arrays = [real_array(*given) for given in zip(arguments, values, domains, strict=True)]
+    try:
+        np.broadcast(*arrays)
+    except ValueError:
+        shapes = (f"{name} {x.shape}" for name, x in zip(arguments, arrays, strict=True) if x.ndim)
+        raise InputError(f"arguments must broadcast, got {', '.join(shapes)}") from None
     kinds = {np.asarray(value).dtype for value in values if not isinstance(value, int | float)}
     single = kinds and np.result_type(*kinds) == np.float32
     return arrays, np.dtype(np.float32 if single else np.float64)

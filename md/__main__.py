@@ -191,7 +191,7 @@ def main() -> None:
     help="Of the rod; a flat one lands on a corner.",
 )
 @click.option("--law", type=click.Choice([*LAWS]), default="coulomb", help="Of the contact.")
-@_number("--stiffness", help="k_n in m g/d (default 5e6).")
+@_number("--stiffness", help="k_n in m g/d^(3/2) (default 5e6).")
 @_number("--tangential-ratio", help="Stiffness of the tangential spring over k_n.")
 @click.option(
     "--integrator",
@@ -227,7 +227,7 @@ def impact(as_json: bool, **given: Any) -> None:
         found = hit._asdict() | {"stiffness": law.normal.stiffness, "arguments": given}
         print(_dumps(finite(found)))
     else:
-        words = f"{law.name}, k_n = {law.normal.stiffness:g} m g/d, {integrator}"
+        words = f"{law.name}, k_n = {law.normal.stiffness:g} m g/d^(3/2), {integrator}"
         print(impact_text(hit, words))
 
 

@@ -352,7 +352,7 @@ def run(
     checked(tolerance=tolerance, periods=options.get("periods"), **own)
     starts = STARTS if workers is None else whole("workers", workers, STARTS, MOST_STARTS)
     if options.get("checkpoint") is not None:
-        raise InputError("checkpoint must be None with a tolerance: it holds one start alone")
+        raise InputError("checkpoint has no meaning with tolerance: it holds one start alone")
     fine, doubled = stepped(scene, tolerance, measure_bias=measure_bias)
     floor = FLOOR * scene.plate_speed if floor is None else floor
     in_annulus = scene.annulus is not None

@@ -44,7 +44,7 @@ def number(name: str, value: Any, low: float, high: float, domain: str = "") -> 
         if isinstance(value, bool | np.bool_ | str):
             raise TypeError
         found = float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError(f"{name} must be a number, got {value!r}") from None
     if not low <= found <= high:
         raise InputError(f"{name} must be {domain or _between(low, high)}, got {value!r}")

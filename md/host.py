@@ -116,7 +116,8 @@ def step_of(scene: Scene) -> tuple[float, int]:
     per = ceil(1 / (scene.frequency * dt) - 1e-9)
     if per > _MOST_STEPS:
         least = 1 / (scene.frequency * _MOST_STEPS)
-        what = "step.size" if scene.step.size else "the step that stiffness and frequency ask for"
+        asked = "the step that stiffness and plate.frequency_hz ask for"
+        what = "step.size" if scene.step.size else asked
         raise InputError(f"{what} must be at least {least:.2g} sqrt(d/g), got {dt!r}")
     return 1 / (scene.frequency * per), per
 

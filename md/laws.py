@@ -34,7 +34,7 @@ from .kernels.codes import DEEP
 from .kernels.contact import PHASE, Friction, Normal, Spring
 from .kernels.state import Effects, Motion
 
-STIFFNESS = 5e6  # k_n of Appendix A in m g/d
+STIFFNESS = 5e6  # k_n of Appendix A in m g/d^(3/2)
 _STIFFNESSES = "normal.stiffness", "spring.proportional", "spring.root"  # more than zero
 
 
@@ -115,7 +115,7 @@ def appendix_a(
 
     Parameters
     ----------
-    stiffness : k_n, in m g/d
+    stiffness : k_n, in m g/d^(3/2)
     tangential_ratio : k_t/k_n; the spring's stiffness is k_t times the overlap
     damping : gamma_n = gamma_t, in sqrt(g/d)
     reduced_mass : M_e in masses of the rod; 1/2 is printed (for two rods), 1 suits a plate
@@ -155,7 +155,7 @@ def constant_restitution(
     ----------
     restitution : of a head-on impact at any speed, 0 or 1e-6 to 1. No dashpot gives 0: there the
         contact is plastic, without force while it opens
-    stiffness : k_n, in m g/d
+    stiffness : k_n, in m g/d^(3/2)
     tangential_ratio : tangential stiffness over k_n sqrt(overlap), > 0
     tangential_damping : ratio to the critical one of the contact's tangential mass, >= 0
     """

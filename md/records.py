@@ -64,7 +64,6 @@ from .units import labelled
 if TYPE_CHECKING:
     from xarray import Dataset
 
-__all__ = ["landings", "touches"]
 
 _BOTH = {  # columns of `kernels.touches` by their names here
     "rod": columns.ROD,

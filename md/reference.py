@@ -72,12 +72,12 @@ class _Contact:
         rates(*self.setting, self.mode, y, out)
         return 4 * s**3 * out
 
-    def signals(self, s: float, y: np.ndarray) -> tuple[float, float, float, float]:
+    def signals(self, y: np.ndarray) -> tuple[float, float, float, float]:
         """Signals that fall to zero as the force, the mode, the first slip ends; the overlap."""
         left, spare, overlap, slip = rates(*self.setting, self.mode, y, np.empty(8))
         return left, spare - self.rest, self.side * slip, overlap
 
-    def choose(self, s: float, y: np.ndarray) -> None:
+    def choose(self, y: np.ndarray) -> None:
         """Choose the next mode: stick where friction can hold, else slip the way that it gives."""
         if self.friction is None:
             return
@@ -91,7 +91,7 @@ class _Contact:
         elif before == STICK or spare < 0:
             self.mode = BACK if out[3] > 0 else FORWARD
         self.rest = 0.0
-        self.rest = min(self.signals(s, y)[1], 0.0)  # error of the location where a mode begins
+        self.rest = min(self.signals(y)[1], 0.0)  # error of the location where a mode begins
 
     def solver(self, s: float, y: np.ndarray, end: float = np.inf, **steps: float) -> DOP853:
         return DOP853(self.derivative, s, y, end, **steps, **self.accuracy)
@@ -113,7 +113,7 @@ class _Contact:
         s, y, dense = solver.t_old, solver.y_old, solver.dense_output()
 
         def signal(x: float) -> float:
-            return self.signals(x, dense(x))[which]
+            return self.signals(dense(x))[which]
 
         starts = (s, *(s + (end - s) / 2**k for k in range(1, 30)))
         start = next((x for x in starts if signal(x) > 0), None)
@@ -124,7 +124,7 @@ class _Contact:
         root, width = brentq(signal, start, end, xtol=1e-18, rtol=1e-15), 1e-3 * (end - s)
         for _ in range(2):  # the interpolant is of lower order than the step
             slope = (signal(root) - signal(root - width)) / width
-            error = self.signals(root, self.stepped(s, y, root))[which] / slope
+            error = self.signals(self.stepped(s, y, root))[which] / slope
             root = min(max(root - error, s), end)
         return root, self.stepped(s, y, root)
 
@@ -138,7 +138,7 @@ class _Contact:
         end, places = solver.t, []
         if signals[0] < 0:
             end, y = self.located(solver, 0, end)
-            signals, places = self.signals(end, y), [(end, y, 0)]
+            signals, places = self.signals(y), [(end, y, 0)]
         places += [(*self.located(solver, i, end), i) for i in others if signals[i] < 0]
         return min(places, key=lambda place: place[0])
 
@@ -153,7 +153,7 @@ def follow(
 
     Parameters
     ----------
-    effects : `contact.Effects`, on a plate at rest and without gravity
+    effects : `kernels.state.Effects`, on a plate at rest and without gravity
     tilt : at the touch, rad
     velocity : (c_x, c_z, omega) at the touch
     tolerance : relative, of each step; 1e-13 is where rounding begins
@@ -175,10 +175,10 @@ def follow(
     speed = abs(velocity[1] - velocity[2] * a_x)
     contact = _Contact(effects, tilt, speed, tolerance)
     s, y = 0.0, np.array([0.0, 0.0, 0.0, *velocity, 0.0, 0.0])
-    contact.signals(s, y)  # compiles
+    contact.signals(y)  # compiles
     start = perf_counter()
-    contact.choose(contact.early, contact.stepped(s, y, contact.early))
-    contact.side = np.sign(contact.signals(s, y)[2])
+    contact.choose(contact.stepped(s, y, contact.early))
+    contact.side = np.sign(contact.signals(y)[2])
     stopped, which, deepest = contact.side == 0, 1, 0.0
     durations, impulses, switches = [0.0, 0.0, 0.0], [0.0, 0.0, 0.0], 0
     while which != 0:
@@ -190,7 +190,7 @@ def follow(
         going = True
         while going:
             solver.step()
-            signals = left, *_, overlap = contact.signals(solver.t, solver.y)
+            signals = left, *_, overlap = contact.signals(solver.y)
             deepest = max(deepest, overlap)
             if effects.upper and overlap > height_of_second(effects, tilt + solver.y[2]):
                 raise InputError(
@@ -204,7 +204,7 @@ def follow(
         durations[phase] += s**4 - begin**4
         impulses[phase] += y[7] - pushed
         if which == 1:
-            contact.choose(s, y)
+            contact.choose(y)
         stopped = stopped or which == 2 or (which == 1 and contact.rigid)
     position = np.array([y[0], contact.setting[1][2] + y[1], tilt + y[2]])
     calls, seconds = contact.evaluations, perf_counter() - start

@@ -80,8 +80,9 @@ class Result:
     run_seconds, compile_seconds : of the clock, s
     energy : work of the plate and of shaken walls, losses by kind, change and residual, in m g d;
         None if not asked for
-    touches : mean and standard error over all touches of the plate of each quantity of
-        `measures.MEANS`, and touches per rod and period; None without a plate
+    touches : mean and standard error over all touches of the plate, but the first of each rod,
+        which no flight comes before, of each quantity of `measures.MEANS`, and touches per rod and
+        period; None without a plate
     landings : the same for the quantities of `measures.OF_LANDINGS`, touches less than
         `measures.HOP` periods apart merged into one landing; None without a plate
     fell : times that a rod fell past the horizontal; None in an annulus
@@ -216,8 +217,7 @@ def _unit(r: Result) -> str:
 
 
 def _drift(r: Result) -> list[str]:
-    unit = r.scene.cm_per_s
-    cm = _with_error(r.c_x * unit, r.c_x_stderr * unit)
+    cm = _with_error(r.c_x_cm_s, r.c_x_stderr_cm_s)
     lines = [f"drift        c_x = {_with_error(r.c_x, r.c_x_stderr)} sqrt(g d) = {cm} cm/s"]
     if isnan(r.c_x_stderr):
         why = "rods keep their arrangement: only other starts tell it (start.seed)"
@@ -260,7 +260,7 @@ def _cost(r: Result) -> list[str]:
         lines.append(f"warning      wedged: {r.wedged:.0%} of the rods have not touched {since}")
     n, each = r.scene.rods.count, r.run_seconds / max(r.rod_steps, 1) * 1e9
     steps = f"{r.rod_steps:.3g} rod-steps of dt = {r.dt:.3g} sqrt(d/g)"
-    rods = f"{n} rod{'s' * (n > 1)}, {r.steps_per_period} steps each"
+    rods = f"{n} rod{'s' * (n > 1)}, {r.steps_per_period} steps a {_unit(r).removesuffix('s')}"
     time = f"{r.run_seconds:.3g} s, {each:.3g} ns each; compiled in {r.compile_seconds:.2g} s"
     return [*lines, f"cost         {steps} ({rods}) in {time}"]
 

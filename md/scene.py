@@ -390,7 +390,7 @@ def _parsed(assignment: str) -> tuple[str, Any]:
         raise InputError(f"--set needs KEY=VALUE, got {assignment!r}")
     try:
         return key.strip(), tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
+    except ValueError:  # no TOML, or a whole number of thousands of digits
         word = text.strip()
         plain = {"true": True, "false": False, "none": "none"}  # in any case
         with suppress(ValueError):  # .03, which TOML writes as 0.03
@@ -449,9 +449,10 @@ def read_tables(source: str | Path, examples: Path = SCENES) -> dict:
     if not path.exists():
         names = ", ".join(sorted(path.stem for path in examples.glob("*.toml")))
         raise InputError(f"{source}: no such file or example; examples: {names}")
+    text = text_of(path)
     try:
-        return tomllib.loads(text_of(path))
-    except tomllib.TOMLDecodeError as error:
+        return tomllib.loads(text)
+    except ValueError as error:
         raise InputError(f"{source}: {error}") from None
 
 

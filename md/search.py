@@ -55,18 +55,6 @@ from .scene import changes_of, put, read_tables, scene_beside
 from .simulation import MOST_PERIODS
 from .sweep import Sweep, Tally, execute, point_at
 
-__all__ = [
-    "Estimate",
-    "Estimates",
-    "Found",
-    "Parameter",
-    "Search",
-    "Target",
-    "expand",
-    "load_search",
-    "search",
-]
-
 _KEYS = "scene", "periods", "seeds", "points", "rounds", "set", "parameters", "data"
 _SEARCHES = Path(__file__).parent / "searches"
 _DEGREES = 3, 2, 1  # of the polynomials that are tried
@@ -446,6 +434,8 @@ def _measured(path: Path, result: str) -> list[Target]:
     for count, row in enumerate(rows, 1):
         where = f"{path}, row {count}"
         try:
+            if "nan" in map(str.lower, row):  # an empty cell asks, a failed measurement does not
+                raise ValueError
             cells = dict(zip(heads, (float(cell or "nan") for cell in row), strict=True))
         except ValueError:
             wanted = f"{len(heads)} numbers or empty cells"

@@ -220,7 +220,7 @@ def _by_steps(
     position, velocity : at the touch
     method, dt, offset : as of `impact`
     """
-    state = single.started(method, position - offset * dt * velocity, velocity, None, dt)
+    state = single.started(method, position - offset * dt * velocity, velocity, dt)
     watch, steps, why = np.zeros(WATCHED), 0, DONE
     single.run(effects, state, 0, 0, dt, watch)  # compiles
     begin = perf_counter()

@@ -20,8 +20,6 @@ from .domains import InputError, held
 from .files import empty, plain, replacing, writable
 from .units import in_cm
 
-__all__ = ["Store", "StoreError", "named", "table", "write_csv"]
-
 _VERSION = 2  # 1: other names of keys and columns
 _APPLICATION = 0x726F6473  # "rods"
 _WAIT = 60.0  # seconds for another writer

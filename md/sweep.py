@@ -68,17 +68,6 @@ from .units import error_of, labelled
 if TYPE_CHECKING:
     from xarray import Dataset
 
-__all__ = [
-    "Interrupted",
-    "Measure",
-    "Point",
-    "Sweep",
-    "Tally",
-    "execute",
-    "expand",
-    "load_sweep",
-    "point_at",
-]
 
 _SWEEPS = Path(__file__).parent / "sweeps"
 _KEYS = "scene", "periods", "tolerance", "max_seconds", "set", "axes"
@@ -124,7 +113,7 @@ class Point:
         """Arguments of `md.run` that say how long the run is."""
         if self.tolerance is None:
             return {"periods": self.periods}
-        return {"tolerance": self.tolerance, "max_seconds": self.max_seconds}
+        return {"tolerance": self.tolerance, "max_seconds": float(self.max_seconds)}
 
     @cached_property  # which goes along to the worker
     def key(self) -> str:
@@ -361,12 +350,25 @@ def _one(point: Point) -> tuple[str, dict | None, str | None, float]:
 
 
 @contextmanager
-def _pool(tasks: list, workers: int) -> Iterator[Generator[tuple, None, None]]:
-    """Pool of workers, as a generator of results; an exception ends the runs without a warning."""
+def pool(tasks: list, workers: int, **how: Any) -> Iterator[Generator[Any, None, None]]:
+    """Pool of workers, as a generator of results; an exception ends the runs without a warning.
+
+    Parameters
+    ----------
+    tasks : delayed calls of joblib
+    workers : processes
+    how : further options of `joblib.Parallel`
+
+    Raises
+    ------
+    RunError
+        If a worker dies.
+    """
     results: Any = None
+    how |= {"batch_size": 1, "return_as": "generator_unordered"}
     try:
         with deferred():  # half a pool would leave semaphores behind
-            results = Parallel(n_jobs=workers, batch_size=1, return_as="generator_unordered")(tasks)
+            results = Parallel(workers, **how)(tasks)
         yield results
     except TerminatedWorkerError:
         again = "what was finished is kept: the same command goes on"
@@ -447,7 +449,7 @@ def execute(
         processes = min(cpu_count() if workers == -1 else workers, max(len(wanted), 1))
         tasks = [delayed(_one)(point) for point in wanted]
         try:
-            with bar, _pool(tasks, -1 if scheduler else processes) as results:
+            with bar, pool(tasks, -1 if scheduler else processes) as results:
                 for key, result, error, seconds in results:
                     point = points[key]
                     about = {

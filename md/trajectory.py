@@ -7,7 +7,7 @@ the file. In ASE `ase.io.read("row.xyz", index=":")` gives the frames, each with
 
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
-from math import acos, atan2, cos, degrees, hypot, sin
+from math import atan2, cos, degrees, hypot, sin
 from pathlib import Path
 from typing import BinaryIO
 
@@ -18,8 +18,6 @@ from .files import empty, plain, writable
 from .kernels.codes import DIRECTOR, PLACE, TURN, VELOCITY
 from .measures import phase_at
 from .scene import Scene
-
-__all__ = ["Trajectory", "checked"]
 
 # Names that OVITO knows, but for tilt; Z = 0, no element, lets ASE read a species that is none.
 _COLUMNS = "species:S:1:pos:R:3:Z:I:1:id:I:1:orientation:R:4:aspherical_shape:R:3:velo:R:3"
@@ -152,7 +150,8 @@ def _in_space(rods: np.ndarray) -> Iterator[tuple]:
             yield (x, 0.0, z), turn, (c_x, 0.0, c_z), (0.0, omega, 0.0), degrees(phi)
             continue
         a, b, c = row[DIRECTOR:VELOCITY]
-        phi, across = acos(min(max(c, -1.0), 1.0)), hypot(a, b) or 1.0
-        part = sin(phi / 2) / across
+        across = hypot(a, b)
+        phi = atan2(across, c)
+        part = sin(phi / 2) / (across or 1.0)
         turn = -b * part, a * part, 0.0, cos(phi / 2)
         yield row[PLACE:DIRECTOR], turn, row[VELOCITY:TURN], row[TURN:], degrees(phi)

@@ -46,24 +46,16 @@ def cm_per_s(diameter: float) -> float:
     return sqrt(GRAVITY_CM * diameter)
 
 
-def _length(diameter: float) -> float:
-    return diameter
-
-
-def _amplitude(frequency: float) -> float:
-    return GRAVITY_CM / (2 * pi * frequency) ** 2
-
-
-def _peak(frequency: float) -> float:
-    return GRAVITY_CM / (2 * pi * frequency)
-
-
 _LENGTHS = "rods.length", "box.length", "annulus.inner", "annulus.outer", "start.drop"
 TWINS = {
-    "plate.amplitude_cm": Twin("plate.acceleration", "plate.frequency_hz", _amplitude),
-    "plate.velocity_cm_s": Twin("plate.acceleration", "plate.frequency_hz", _peak),
+    "plate.amplitude_cm": Twin(
+        "plate.acceleration", "plate.frequency_hz", lambda f: GRAVITY_CM / (2 * pi * f) ** 2
+    ),
+    "plate.velocity_cm_s": Twin(
+        "plate.acceleration", "plate.frequency_hz", lambda f: GRAVITY_CM / (2 * pi * f)
+    ),
     "start.speed_cm_s": Twin("start.speed", "rods.diameter_cm", cm_per_s),
-    **{f"{key}_cm": Twin(key, "rods.diameter_cm", _length) for key in _LENGTHS},
+    **{f"{key}_cm": Twin(key, "rods.diameter_cm", float) for key in _LENGTHS},
 }
 
 

@@ -257,7 +257,7 @@ LOOP = fresh(single.run)
 def compiled(law=None, watch=None, **scene):
     """The loop over steps for one scene; by default there is nothing but Hertz's force."""
     made = effects(law or md.coulomb(1.0), **scene)
-    state = single.started("leapfrog", (0, 9, 0), (0, 0, 0), made.gravity, 1e-3)
+    state = single.started("leapfrog", (0, 9, 0), (0, 0, 0), 1e-3)
     LOOP(made, state, 0, 0, 1e-3, watch)
     return text_of(LOOP, effects=made, state=state, first=0, steps=0, dt=1e-3, watch=watch)
 

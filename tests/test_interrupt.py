@@ -136,7 +136,7 @@ def test_a_compilation_ends_before_a_handler_runs(kernel, called, monkeypatch, t
 def test_no_kernel_builds_its_result_by_calling_python():
     """No part is a named tuple, which Numba builds in Python and dies if a handler raises there."""
     scene = effects_of(md.Rod(), md.coulomb(), 0.4, None, None)
-    state = single.started("leapfrog", (0, 9, 0), (0, 0, 0), None, 1e-4)
+    state = single.started("leapfrog", (0, 9, 0), (0, 0, 0), 1e-4)
     parts = [single.run(scene, state, 0, 1, 1e-4, np.zeros(WATCHED))]
     while parts:
         part = parts.pop()

@@ -217,7 +217,7 @@ def rests(law, integrator, part, tilt, friction):
     gravity = 0.0, -law.normal.stiffness * deep**1.5 * caps
     scene = effects(law, friction, gravity)._replace(normal=damped(law.normal))
     start = 0.0, ROD.half_length * cos(tilt) + 0.5 - deep, tilt
-    state = single.started(integrator, start, (0.0, 0.0, 0.0), None, dt)
+    state = single.started(integrator, start, (0.0, 0.0, 0.0), dt)
     state = state._replace(velocity=(1e-7 if friction else 0.0, 1e-7, 1e-7 if tilt else 0.0))
     state, _, why = single.run(scene, state, 0, 20_000, dt, None)
     away = np.abs(np.subtract(State(*state).position, start))
@@ -302,7 +302,7 @@ def test_m16_too_deep_stops_with_the_last_good_state():
 def test_m16_not_finite_stops_at_once(integrator, bad):
     """The run stops in the step in which it appears, with the state that it found."""
     scene = effects(md.coulomb(), 0.0, GRAVITY)
-    state = single.started(integrator, (0, 9, 0), (0, 0, 0), (0, -1), 1e-4)
+    state = single.started(integrator, (0, 9, 0), (0, 0, 0), 1e-4, (0.0, -1.0, 0.0))
     now, steps, why = single.run(scene, state, 0, 10, 1e-4, None)
     assert (steps, why) == (10, DONE)
     state = State(*now)

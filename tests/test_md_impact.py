@@ -15,7 +15,7 @@ from .sampling import power
 from .track import LAWS, damped
 
 TILTS = np.radians(np.arange(5, 90, 5))
-STIFF = 1e9  # k_n in m g/d
+STIFF = 1e9  # k_n in m g/d^(3/2)
 ROD, FLAT = md.Rod(), md.Rod(8.0, ends="flat")
 ELASTIC = replace(LAWS["elastic"], normal=damped(LAWS["elastic"].normal))
 REGIMES = {"slide": 1, "slip-stick": 2, "slip-reversal": 3}

@@ -48,7 +48,8 @@ def track(acting, start, dt, steps, *, every=1, method="leapfrog", watched=False
     c_z, omega, off the plate or just touching it. `watched`: by the kernel of `md.impact`, step by
     step, so that a contact that is over ends nothing.
     """
-    state = single.started(method, start[:3], start[3:], acting.gravity, dt)
+    fall = (*(acting.gravity or (0.0, 0.0)), 0.0)
+    state = single.started(method, start[:3], start[3:], dt, fall)
     samples = [(*state.position, *state.velocity)]
     for first in range(0, steps, every):
         watch = np.zeros(WATCHED) if watched else None

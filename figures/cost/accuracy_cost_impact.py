@@ -22,7 +22,7 @@ import md
 from md.cache import kernel
 from md.kernels import single as integrators
 from md.kernels.codes import WATCHED
-from md.kernels.single import run
+from md.kernels.single import METHODS, run
 from md.laws import contact_time, effects_of
 
 from ..claims.uncertainty import rms
@@ -31,7 +31,6 @@ from ..lib.style import BLACK, BLUE, GREEN, ORANGE, Data, log_log, name_panels, 
 from ..lib.timing import machine_line, medians
 
 LAW = md.coulomb()
-METHODS = ("leapfrog", "verlet", "gear")
 TILTS_OF_REGIMES = np.radians([10, 25, 40, 65, 83, 87])  # two tilts in each regime
 OFFSETS = (np.arange(24) + 0.5) / 24  # of the touch within a step
 PAPER_STEP = 2e-5  # sqrt(d/g)
@@ -57,7 +56,7 @@ def impact_call(tilt: float, integrator: str, dt: float) -> Callable:
     position = np.array([0.0, ROD.half_length * cos(tilt) + 0.5, tilt])
     velocity = np.array([1 / APPROACH_RATIO, -1.0, 0.0])
     start = position - dt / 2 * velocity
-    state, watch = integrators.started(integrator, start, velocity, None, dt), np.zeros(WATCHED)
+    state, watch = integrators.started(integrator, start, velocity, dt), np.zeros(WATCHED)
     return lambda times=1: repeated_impact(effects, state, dt, times, watch)
 
 

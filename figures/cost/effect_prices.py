@@ -155,7 +155,7 @@ def plus_minus(value: float, error: float) -> str:
     return f"{round(value, 2) + 0.0:.2f} ± {ceil(100 * error) / 100:.2f}"
 
 
-def _changes(d: Data) -> list[str]:
+def changes(d: Data) -> list[str]:
     """What happens to the drift, row by row, in words or in cm/s."""
     (full, *changed), (error, *errors) = d["drift"]
     words = []
@@ -188,7 +188,7 @@ def panel(ax: Axes, d: Data) -> None:
             words = plus_minus(one, off).replace("-", "−")
             ax.text(start, at, words, va="center", color="0.25")
     beside = {"va": "center", "transform": ax.get_yaxis_transform()}
-    for at, words in zip(y, _changes(d), strict=True):
+    for at, words in zip(y, changes(d), strict=True):
         ax.text(1.02, at, words.replace("-", "−"), **beside)
     words = f"change of $c_x$ from\n{d['drift'][0, 0]:.2f} ± {d['drift'][1, 0]:.2f} cm/s"
     ax.text(1.02, y[0] - 1.3, words, **beside)

@@ -62,7 +62,7 @@ def numbers(found: Found) -> dict[str, Any]:
     ladder, effects, rods = (found[n] for n in ("accuracy_cost_ladder", "effect_prices", "scaling"))
     ways = "group", "label", "seconds", "periods"
     answers = [*(ladder[name] for name in ways), *accuracy_cost_ladder.deviations(ladder)]
-    prices = effects["alone"][:, :2], effects["within"][:, :2], effect_prices._changes(effects)
+    prices = effects["alone"][:, :2], effects["within"][:, :2], effect_prices.changes(effects)
     gain = rods["sweep"][0, 0] / rods["sweep"][:, 0]
     largest = exact_impacts.largest_errors(CHECKED)
     return {

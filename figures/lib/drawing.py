@@ -4,20 +4,19 @@ import io
 import os
 import sys
 import traceback
-import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, redirect_stderr
 from pathlib import Path
 from typing import NamedTuple
 
 import matplotlib.pyplot as plt
-from joblib import Parallel, delayed
+from joblib import delayed
 from joblib.externals.loky import get_reusable_executor
 from tqdm import tqdm
 
 from impact._generated import DIGEST
 from md.files import replacing
-from md.interrupt import deferred
+from md.sweep import pool
 
 from .. import FIGURES, load
 from . import runs
@@ -105,15 +104,9 @@ def _pool(
     # what joblib's process that cleans up would say after a signal, below our one line
     os.environ.setdefault("PYTHONWARNINGS", "ignore:resource_tracker")
     try:
-        with deferred():  # half a pool would leave semaphores behind
-            results = Parallel(
-                jobs, batch_size=1, pre_dispatch="all", return_as="generator_unordered"
-            )(tasks)
-        yield results
+        with pool(tasks, jobs, pre_dispatch="all") as results:
+            yield results
     except BaseException:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # joblib tells that it was stopped
-            results.close()
         for file in files_of(*names):
             name, kind = file.split(".")
             (out / f".{name}.part.{kind}").unlink(missing_ok=True)  # of a process that was stopped

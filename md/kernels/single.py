@@ -26,7 +26,7 @@ from .contact import dashpot, tangential_constants
 from .plate import Moving, plate_at, plate_forces
 from .state import Kept, field
 from .touches import seen, watched
-from .vectors import ZERO, along, turned
+from .vectors import ZERO, along, times, turned
 
 METHODS = ("leapfrog", "verlet", "gear")
 
@@ -101,7 +101,7 @@ def gear(effects, state, higher, step, dt):
     """
     r0, direction, r1, r2, _, _, explicit = state
     tilt = r0[2]
-    r1, r2 = along(ZERO, dt, r1), along(ZERO, dt * dt / 2, r2)
+    r1, r2 = times(dt, r1), times(dt * dt / 2, r2)
     r3, r4, r5 = higher
     r0 = along(along(along(along(along(r0, 1, r1), 1, r2), 1, r3), 1, r4), 1, r5)
     direction = turned(direction, r0[2] - tilt)
@@ -109,10 +109,10 @@ def gear(effects, state, higher, step, dt):
     r2 = along(along(along(r2, 3, r3), 6, r4), 10, r5)
     r3 = along(along(r3, 4, r4), 10, r5)
     r4 = along(r4, 5, r5)
-    now = along(ZERO, 1 / dt, r1)
+    now = times(1 / dt, r1)
     half = along(along(now, -1 / dt, r2), 0.75 / dt, r3)
     a, lower, upper = accelerations(effects, state, (r0[1], direction), half, now, step, dt)
-    change = along(along(ZERO, dt * dt / 2, a), -1, r2)
+    change = along(times(dt * dt / 2, a), -1, r2)
     r0, velocity = along(r0, _C0, change), along(now, _C1 / dt, change)
     r3, r4, r5 = along(r3, _C3, change), along(r4, _C4, change), along(r5, _C5, change)
     kept = bare(lower), bare(upper)
@@ -162,10 +162,8 @@ def run(effects, state, first, steps, dt, watch):
     return plain(state), steps, DONE
 
 
-def started(method: str, position: Any, velocity: Any, g: Any, dt: float) -> State:
+def started(method: str, position: Any, velocity: Any, dt: float, fall: Any = ZERO) -> State:
     """Initial state of a rod without contact, for its place and velocity at the first step."""
-    g_x, g_z = map(float, g or (0, 0))
-    fall = (g_x, g_z, 0.0)
     position, velocity = tuple(map(float, position)), tuple(map(float, velocity))
     higher: tuple | None = None
     if method == "gear":  # this method keeps everything at the step before
