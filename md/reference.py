@@ -25,7 +25,7 @@ _SWITCHES = 10_000  # of one contact at most; a soft spring that rattles at the 
 LARGE = 1e4  # friction beyond which the slip stops too soon after the touch to be followed
 
 
-class Contact(NamedTuple):
+class Outcome(NamedTuple):
     """Outcome of one contact; durations and normal impulses of its phases (see `codes`)."""
 
     position: Sequence[float] | np.ndarray  # x, z, tilt at the end
@@ -148,7 +148,7 @@ def follow(
     tilt: float,
     velocity: Sequence[float],
     tolerance: float = 1e-13,
-) -> Contact:
+) -> Outcome:
     """Integrate one contact of the lower cap or corner from its touch to the end of its force.
 
     Parameters
@@ -208,4 +208,4 @@ def follow(
         stopped = stopped or which == 2 or (which == 1 and contact.rigid)
     position = np.array([y[0], contact.setting[1][2] + y[1], tilt + y[2]])
     calls, seconds = contact.evaluations, perf_counter() - start
-    return Contact(position, y[3:6], durations, impulses, stopped, deepest, calls, seconds)
+    return Outcome(position, y[3:6], durations, impulses, stopped, deepest, calls, seconds)

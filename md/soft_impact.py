@@ -39,7 +39,7 @@ from .laws import (
     largest_step,
     lower_end,
 )
-from .reference import Contact
+from .reference import Outcome
 
 INTEGRATORS = (*single.METHODS, "dop853")
 _ROUGH = 10.0  # friction as a constraint beyond which Gear's method, which predicts slip, is wrong
@@ -211,7 +211,7 @@ def _by_steps(
     method: str,
     dt: float,
     offset: float,
-) -> Contact:
+) -> Outcome:
     """Follow one contact with a fixed step, from `offset` steps before the touch.
 
     Parameters
@@ -228,7 +228,7 @@ def _by_steps(
         now, made, why = single.run(effects, state, steps, _STEPS_A_CALL, dt, watch)
         state, steps = single.State(*now), steps + made
     stopped_run(why, state, steps, dt)
-    return Contact(
+    return Outcome(
         state.position,
         state.velocity,
         durations=watch[:IMPULSE],
