@@ -20,12 +20,11 @@ from figures.cost import (
     accuracy_cost_impact,
     accuracy_cost_ladder,
     effect_prices,
-    exact_impacts,
     price_page,
     scaling,
 )
 from figures.cost.scene_variants import FULL, Variant
-from figures.lib import timing
+from figures.lib import exact_impacts, timing
 from figures.lib.data import keep, made
 from figures.lib.soft_impacts import one_impact
 from md.accuracy import steps_per_contact

@@ -12,9 +12,9 @@ import numpy as np
 
 from impact import collide
 
+from ..lib.exact_impacts import FIELDS, Impacts, literal, random_impacts, reference
 from ..lib.style import BLACK, BLUE, RED, Data, log_log, note, style
 from ..lib.timing import machine_line, medians, repeated
-from .exact_impacts import FIELDS, Impacts, literal, random_impacts, reference
 
 TIMED_RUNS = 7
 WAYS = (  # label, colour, marker

@@ -14,8 +14,8 @@ from matplotlib.colors import BoundaryNorm
 
 from impact import collide, critical_friction, painleve_friction, slide_friction, thin_rod
 
+from ..lib.exact_impacts import Impacts, literal, reference
 from ..lib.style import Data, name_panels, style, tilt_axis
-from .exact_impacts import Impacts, literal, reference
 
 ULP_LEVELS = (0, 0.5, 1, 2, 4, 16, 256, 1e4, 1e8, 1e16, 1e21)  # of the colours, ulp
 PRINTED_FIELDS = ("c_x", "c_z")  # what the paper has formulas for

@@ -10,9 +10,10 @@ import numpy as np
 from impact import collide, compiled
 
 from .. import FIGURES, load
+from ..lib import exact_impacts
 from ..lib.style import RESTITUTION_LAWS, name_panels, note, style
 from ..lib.timing import machine_line, medians, repeated
-from . import accuracy_cost_drift, accuracy_cost_ladder, effect_prices, exact_impacts
+from . import accuracy_cost_drift, accuracy_cost_ladder, effect_prices
 
 PRICE_PANELS = {name: entry.panel for name, entry in FIGURES.items() if entry.panel}
 IMPACTS, CHECKED = 200_000, 20_000  # timed; compared with many digits

@@ -15,7 +15,7 @@ import numpy as np
 from impact import Regime, collide, spherocylinder
 from impact._impacts import Impacts
 
-from ..lib.style import RESTITUTION_LAWS
+from .style import RESTITUTION_LAWS
 
 SLIP_REGIMES = (Regime.SLIDE, Regime.SLIP_STICK, Regime.SLIP_REVERSAL)
 DIGITS = 50  # of what errors are measured against
