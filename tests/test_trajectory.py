@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
 import md
-from md import simulation
+from md import simulation, trajectory
 from md.__main__ import main
 from md.host import prepare
 
@@ -61,6 +61,11 @@ def test_columns_say_where_each_rod_is_and_what_it_looks_like(written):
     assert (place <= high).all()
     assert frame["pbc"] == ("F F F" if scene.annulus else "T F F")
     assert (first["Time"], frame["Time"]) == ("0.0", "1.0")
+
+
+def test_small_tilts_in_space_keep_their_digits():
+    [(*_, tilt)] = trajectory._in_space(np.array([[2, 0, 1, 1e-9, 0, 1, *[0] * 6]]))
+    assert tilt == pytest.approx(np.degrees(1e-9), rel=1e-15)
 
 
 def test_frames_stand_at_the_same_phases_of_all_periods(tmp_path):
