@@ -3,7 +3,7 @@
 # make test      set up and run the tests
 # make slow      set up and run the longer studies; a pass is recorded in tests/SLOW.md
 # make docs      set up and build the site: out/docs/index.html
-# make clean     remove what the two built
+# make clean     remove what make has built
 
 PYTHON ?= python3
 BIN := .venv/bin

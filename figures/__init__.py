@@ -17,9 +17,9 @@ early_signals                       signals during imports
 command_line, __main__              the commands
 
 A module of a figure has `data(quick)`, which computes arrays by name, and `draw(data)`; perhaps
-`sweeps(quick)`, the runs it needs. Only `__main__` writes files: what
-`data` returns as .npz, what `draw` returns as .png and .pdf. Runs are kept in the store of
-`lib.runs`; of a command that is `--store`, or rows.db in `--out`.
+`sweeps(quick)`, the runs it needs. It writes no files: `lib.drawing` keeps what `data` returns as
+.npz, what `draw` returns as .png and .pdf. Runs are kept in the store of `lib.runs`; of a command
+that is `--store`, or rows.db in `--out`.
 
 To add a figure: write its module in a room, and its line in figures.toml.
 """

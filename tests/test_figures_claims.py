@@ -64,7 +64,7 @@ LIMITS = {"holds": [0.4, 0.6]}
 @pytest.mark.parametrize(
     ("expected", "numbers"),
     [
-        (HOLDS, [(0.5, 0.049), (0.4, np.nan, "count"), (0.5, 0.09, "half interval")]),
+        (HOLDS, [(0.5, 0.049), (0.4, np.nan, "count"), (0.4, 0.0), (0.5, 0.09, "half interval")]),
         (FAILS, [(0.7, 0.049), (0.39, np.nan, "count"), (np.inf, 0.1), (-np.inf, 0.1)]),
         (CLOSE, [(0.5, 0.051), (0.7, 0.051), (0.5, 0.11, "half interval"), (0.4, np.nan)]),
         (MISSING, [(np.nan, 0.1)]),

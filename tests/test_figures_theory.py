@@ -1,10 +1,12 @@
 """Figures of the theory: alpha, the stationary landing, shapes of tips; gains of energy."""
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal
 
+import figures
 from impact import collide, critical_friction, energy_restitution, thin_rod
 
 from .quick_figures import check_figure, data, each_of
@@ -61,6 +63,11 @@ def test_the_stationary_landing_where_its_dots_stand():
     cheapest = np.nanmin(d["cost"][[0, -1]], axis=1)  # slip reversal, slip-stick
     assert_allclose(cheapest, d["best_cost"][[0, -1]], rtol=1e-3)
     assert d["painleve"][0].min() == pytest.approx(4 / 3, rel=1e-3)
+
+
+def test_no_tilt_of_one_half_is_drawn_where_there_is_none():
+    stationary = figures.load("stationary")
+    plt.close(stationary.draw(stationary.data(quick=True, restitution=0.0)))
 
 
 def test_flat_end_turns_at_arctan_d_over_l():

@@ -7,7 +7,6 @@ import pytest
 
 import md
 from md.__main__ import main
-from md.kernels.contact import Normal
 
 COMMAND = "impact --json --tilt-deg=20 --friction=0.4 --c-x=0.5 --c-z=-1"
 OF_A_ROD = "--omega=0.1 --length=8 --inertia=thin --ends=flat --stiffness=1e7 --dt=1e-5"
@@ -24,7 +23,6 @@ def found(capsys, options):
 @pytest.mark.parametrize(
     ("options", "law", "given"),
     [
-        ("", md.coulomb(0.65), {}),
         (
             OF_A_ROD,
             md.coulomb(0.65, 1e7),
@@ -36,7 +34,7 @@ def found(capsys, options):
             {},
         ),
     ],
-    ids=["few", "rod", "law"],
+    ids=["rod", "law"],
 )
 def test_json_holds_all_that_happened(capsys, options, law, given):
     told = found(capsys, f"--restitution=0.65 {options}")
@@ -59,9 +57,3 @@ def test_every_law_and_integrator(capsys, law, integrator):
     told = found(capsys, f"{restitution} --law={law} --integrator={integrator}")
     assert told["regime"] == ("slip-reversal" if printed else "slip-stick")
     assert (told["dt"] is None) == (integrator == "dop853")
-
-
-def test_a_law_of_ones_own():
-    """A law of one's own, with terms that the laws have, runs by their kernel."""
-    law = md.Law("mine", Normal(5e6, quarter=300.0), None)
-    assert md.impact(0.1, 0.0, -1.0, friction=0.3, law=law).c_z > 0

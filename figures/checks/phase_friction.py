@@ -3,7 +3,7 @@
 (a): simulated, (b): the theory for the spherocylinder at V_z = V_0/2, same colours. Line: friction
 below which a stopped contact slips back, |XZ|/(k^2 + Z^2). (c): cut at the restitution of the
 figures' law, with errors over independent starts; the theory with V_0/2 and with V_z as measured at
-the landings, each one weighted by its speed of approach. Look at small friction: the theory's drift
+touches, each weighted by its speed of approach. Look at small friction: the theory's drift
 stays finite as the friction goes to zero, that of the row goes to zero. And at large friction: the
 theory's no longer changes. Restitution and friction are varied at the plate alone; rods rub on
 each other with 0.3 throughout.

@@ -73,10 +73,10 @@ def _cut(data: Evidence) -> dict[str, np.ndarray]:
 
 @measures("S7")
 def friction(data: Evidence) -> Numbers:
-    d, ring = _cut(data), data.figure("fig04")
+    d, annulus = _cut(data), data.figure("fig04")
     return {
-        "ring_change": resampled(ring, lambda d: exponents(d["plate"], d["plate_c_x"])[-1]),
-        "ring_without": resampled(ring, lambda d: d["plate_c_x"][0] / d["plate_c_x"].max()),
+        "ring_change": resampled(annulus, lambda d: exponents(d["plate"], d["plate_c_x"])[-1]),
+        "ring_without": resampled(annulus, lambda d: d["plate_c_x"][0] / d["plate_c_x"].max()),
         "change": resampled(d, lambda d: exponents(d["friction"], d["c_x"])[-1]),
         "without": resampled(_slippery(data), lambda d: d["stationary"][0] / d["largest"]),
         "friction": count(d["friction"][d["c_x"].argmax()]),

@@ -20,9 +20,8 @@ from matplotlib.axes import Axes
 
 import md
 from md.cache import kernel
-from md.kernels import single as integrators
 from md.kernels.codes import WATCHED
-from md.kernels.single import METHODS, run
+from md.kernels.single import METHODS, run, started
 from md.laws import contact_time, effects_of
 
 from ..claims.uncertainty import rms
@@ -56,7 +55,7 @@ def impact_call(tilt: float, integrator: str, dt: float) -> Callable:
     position = np.array([0.0, ROD.half_length * cos(tilt) + 0.5, tilt])
     velocity = np.array([1 / APPROACH_RATIO, -1.0, 0.0])
     start = position - dt / 2 * velocity
-    state, watch = integrators.started(integrator, start, velocity, dt), np.zeros(WATCHED)
+    state, watch = started(integrator, start, velocity, dt), np.zeros(WATCHED)
     return lambda times=1: repeated_impact(effects, state, dt, times, watch)
 
 

@@ -28,10 +28,7 @@ from ..lib.runs import SIMPLE_ROW, planned, starts
 from ..lib.style import BLACK, BLUE, Data, log_log, note, painted, style
 from ..lib.timing import estimate, in_turn, machine_line, onward, steady, waited
 
-ROW_SIZES = {
-    True: (10, 40, 160, 640, 2500, 5000),
-    False: (10, 20, 40, 80, 160, 320, 640, 1250, 2500, 5000),
-}
+ROW_SIZES = (10, 20, 40, 80, 160, 320, 640, 1250, 2500, 5000)  # a third of them if quick
 LEAST = 320  # rods a sample is about, with one period each
 SPACING = SIMPLE_ROW["box"]["length"] / SIMPLE_ROW["rods"]["count"]
 RUNS_PER_CORE, SWEEP_PERIODS = 4, 40  # of each core, and of each run
@@ -93,7 +90,7 @@ def _estimates(samples: np.ndarray) -> np.ndarray:
 def data(quick: bool = False) -> Data:
     """Times in ns per step of a rod, (value, error, interquartile range)."""
     load = os.getloadavg()[0]
-    counts = ROW_SIZES[quick]
+    counts = ROW_SIZES[:: 3 if quick else 1]
     rows = [_periods(count, SCALING_SETTLE[quick]) for count in waited(counts, "settling", "row")]
     by_count = in_turn(rows, SCALING_ROUNDS[quick])
     cores = cpu_count()

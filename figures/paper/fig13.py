@@ -3,8 +3,9 @@
 Symbols: simulated rows, mean and standard error over independent starts; as in the paper, rods have
 the inertia of a thin rod in (a) and (b), of the uniform body in (c). Lines: the theory's drift
 (24)-(29) for the rod without thickness and for the simulated one, with the assumed V_z = V_0/2 and
-with the V_z that the same runs have at their landings, where it is positive (else the closure has
-no impact). Triangles in (a): the same rows under another contact law. Inset of (b): tilt.
+with the V_z that the same runs have at touches, weighted by the speed of approach, where it is
+positive (else the closure has no impact). Triangles in (a): the same rows under another contact
+law. Inset of (b): tilt.
 Open in (c): started side by side almost at rest, rods of 2 to 5 d bounce as one block, which
 hardly drifts; those thrown at the start do not.
 """

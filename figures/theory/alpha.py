@@ -5,7 +5,7 @@ omega = 0 before each impact; a hop below 0.01 periods is no landing. Bars: one 
 independent rods; where it is large, rods have settled on different orbits. (a)-(c) over tilt at
 Gamma = 3.3, (b) with the density of flights in grey; (d)-(f) over Gamma.
 
-Dashed in (a)-(c): the tilt X^2 = epsilon k^2, from which on a stationary rod is hit again at once.
+Dotted in (a)-(c): the tilt X^2 = epsilon k^2, from which on a stationary rod is hit again at once.
 Dotted in (d): the perfectly inelastic rod. Dotted in (e): where the paper's rods begin to drift
 forward. (At 9 degrees some of the rods, thrown at the start, find orbits that never rest.)
 """
@@ -85,12 +85,14 @@ def data(
         for g in fine
     ]
     by_tilt = [_sweep("gamma", runs) for runs in over_gamma]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        again = np.arcsin(np.sqrt(restitution) * upright.k / flat.X)
     return {
         "tilt": tilts,
         **_sweep("tilt", over_tilt),
         "tilt_flights": np.array([each.flights.mean for each in over_tilt]),
         "steady_c_x": drift(spherocylinder(tilts, length), **setting).c_x,
-        "again_tilt": np.arcsin(np.sqrt(restitution) * upright.k / flat.X),
+        "again_tilt": again,
         **setting,
         "length": length,
         "gammas": gammas,
@@ -124,13 +126,14 @@ def _over_tilt(axes, d: Data) -> None:
     )
     curve(b, d, "deg", "tilt_flight", RIGID, "mean", ms=2)
     b.set(ylabel="flight (periods)", ylim=(0, 3.2))
-    b.plot([], [], ":", color=BLACK, label=rf"$X^2=\epsilon k^2$, {again:.1f}°")
+    if again >= 0:
+        b.plot([], [], ":", color=BLACK, label=rf"$X^2=\epsilon k^2$, {again:.1f}°")
 
     curve(c, d, "deg", "tilt_drift", RIGID, "computed", ms=2)
     steady, label = d["steady_c_x"], r"(24), computed $\alpha$"
     c.plot(d["deg"], steady * d["tilt_alpha_impulse"], color=THEORY, lw=0.8, label=label)
     c.plot(d["deg"], steady / 2, "--", color=THEORY, label=r"(24), $\alpha=1/2$")
-    c.set(ylabel=r"drift / $V_0$", ylim=(0, 1.45 * d["tilt_drift"].max()))
+    c.set(ylabel=r"drift / $V_0$", ylim=(0, 1.45 * d["tilt_drift"].max() or 1))
     for ax in axes:
         tilt_axis(ax, 0, 75)
         ax.axvline(again, color=BLACK, lw=0.8, ls=":")

@@ -82,11 +82,11 @@ def data(
     consistent, least = function("V: alpha and closure")(bounce)
     slow = np.linspace(0.01, 1, 2001)
     slower = np.interp(bounce, slow / alpha_of_fall(slow), alpha_of_fall(slow))
-    half = np.arcsin(np.sqrt(function("V: tilt of one half")(restitutions)))
     usual = 0.65 if restitution is None else restitution
     setting = {"friction": np.append(frictions, np.inf)[:, None], "restitution": usual}
     steady = drift(rod, **setting)
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore"):
+        half = np.arcsin(np.sqrt(function("V: tilt of one half")(restitutions)))
         cost = 1 / np.abs(steady.c_x)
     shown = steady.regime == Regime.SLIP_REVERSAL
     shown[-1] = True  # the last friction holds at every tilt
@@ -135,7 +135,8 @@ def _alpha(ax: Axes, d: Data) -> None:
 def _closure(ax: Axes, d: Data) -> None:
     tilt_deg, half = np.degrees(d["tilt"]), np.degrees(d["half"])
     for row, colour in enumerate(shades(len(half))):
-        label = f"{d['restitutions'][row]:g}, 1/2 at {half[row]:.1f}°"
+        place = f", 1/2 at {half[row]:.1f}°" if half[row] >= 0 else ""
+        label = f"{d['restitutions'][row]:g}{place}"
         ax.plot(tilt_deg, d["consistent"][row], color=colour, label=label)
         ax.plot(tilt_deg, d["slower"][row], "--", color=colour)
         ax.plot(half[row], 0.5, "o", color=colour)
