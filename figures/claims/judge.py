@@ -55,7 +55,7 @@ def close(number: Number, limits: dict[str, Any]) -> bool:
     if random and math.isfinite(number.value) and math.isnan(number.error):
         return True  # in some draws the value is not there
     reach = (2 if random else 1) * number.error
-    return any(abs(number.value - border) < reach for border in borders)
+    return reach > 0 and any(abs(number.value - border) <= reach for border in borders)
 
 
 def verdict(number: Number, limits: dict[str, Any]) -> str:
