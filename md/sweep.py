@@ -38,6 +38,7 @@ Python, a full grid of two axes and what came of it as labelled arrays:
 import itertools
 import logging
 import math
+import os
 import threading
 import warnings
 from _thread import interrupt_main
@@ -366,6 +367,8 @@ def pool(tasks: list, workers: int, **how: Any) -> Iterator[Generator[Any, None,
     """
     results: Any = None
     how |= {"batch_size": 1, "return_as": "generator_unordered"}
+    # what joblib's process that cleans up would say after a signal, below our one line
+    os.environ.setdefault("PYTHONWARNINGS", "ignore:resource_tracker")
     try:
         with deferred():  # half a pool would leave semaphores behind
             results = Parallel(workers, **how)(tasks)

@@ -199,7 +199,7 @@ def test_prices_belong_to_what_they_say():
     (full, *changed), _ = d["drift"]
     assert_array_equal(np.isfinite(changed), [0, 0, 1, 0])
     with tiny():
-        words = effect_prices._changes(d)
+        words = effect_prices.changes(d)
     assert words[:2] == ["-", "0, same bits"]
     assert float(words[2].split()[0]) == pytest.approx(changed[2] - full, abs=6e-3)
     assert words[3] == "same kernel"

@@ -1,7 +1,6 @@
 """Figures computed and drawn into files, by several processes."""
 
 import io
-import os
 import sys
 import traceback
 from collections.abc import Iterator, Sequence
@@ -101,8 +100,6 @@ def _pool(
 ) -> Iterator[Iterator[Drawn]]:
     """Figures as they are drawn by `jobs` processes, which end with this context."""
     tasks = [delayed(_in_a_process)(name, out, quick, runs.STORE, own) for name in names]
-    # what joblib's process that cleans up would say after a signal, below our one line
-    os.environ.setdefault("PYTHONWARNINGS", "ignore:resource_tracker")
     try:
         with pool(tasks, jobs, pre_dispatch="all") as results:
             yield results
