@@ -49,9 +49,9 @@ kernels/codes                       stop codes, columns, regimes
 kernels/vectors, contact            compiled: the forces of every contact, in the plane and in space
 kernels/state, march                compiled: rods of a row or an annulus, their steps, their energy
 kernels/neighbours                  compiled: closest points of rods; which rods may touch
-kernels/batch, pairs, walls         compiled: contacts side by side, of rods, with walls
-kernels/plate, touches, single      compiled: a rod on the plate; its touches; one rod alone
-reference, soft_impact              `impact`: every switch located, or fixed steps
+kernels/batch, pairs, surfaces      compiled: contacts side by side; of rods, with plate and walls
+kernels/touches, single             compiled: touches of the plate; one rod alone
+soft_impact                         `impact`: every switch located, or fixed steps
 host, placement                     the engine of a scene: arrays of the kernels, initial places
 measures, records                   means and errors of a run; its touches one by one
 result                              the result of a run, as numbers and as text

@@ -25,7 +25,7 @@ from md.kernels.codes import (
     X,
 )
 from md.kernels.contact import ContactForces, Friction
-from md.kernels.plate import plate_at
+from md.kernels.surfaces import plate_at
 from md.kernels.state import Motion, Wall
 from md.laws import deepest_overlap
 

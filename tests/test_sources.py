@@ -40,4 +40,4 @@ def test_each_module_that_a_run_uses_counts(edited, module):
 
 def test_runs_do_not_depend_on_commands_stores_and_sweeps():
     assert {"__init__", "__main__", "cache", "files", "store", "sweep"}.isdisjoint(USED)
-    assert {"accuracy", "kernels.march", "kernels.walls", "laws", "measures"} <= set(USED)
+    assert {"accuracy", "kernels.march", "kernels.surfaces", "laws", "measures"} <= set(USED)

@@ -2,12 +2,12 @@
 
 From the bottom up: `vectors`, tuples of two numbers in the plane and of three in space; `contact`,
 the forces of every contact, of rod on plate, rod on rod and rod on wall; `neighbours`, the closest
-points of two rods and which rods may touch; `state`, the effects on rods and their arrays; `plate`,
-a rod over the plate; `batch`, contacts side by side, of rods in `pairs` and of rods with walls in
-`walls`; `march`, the steps of many rods and their energy, and `touches`, the record of their
-touches; `single`, the integrators of one rod and the equations of `md.reference`; `codes`, stop
-codes, columns and phases. A kernel takes named tuples whose fields name their units; a field that
-is `None` is an absent effect: Numba sees the type and leaves its code out.
+points of two rods and which rods may touch; `state`, the effects on rods and their arrays; `batch`,
+contacts side by side, of rods in `pairs`; `surfaces`, the plate and walls; `touches`, the record of
+their touches; `march`, the steps of many rods and their energy; `single`, the integrators of one
+rod and the equations between switches; `codes`, stop codes, columns and phases. A kernel takes
+named tuples whose fields name their units; a field that is `None` is an absent effect: Numba sees
+the type and leaves its code out.
 
 A new effect that acts on a rod, say the drag of air, takes one function, one key of the scene and
 one line where it is called:

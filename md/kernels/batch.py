@@ -105,11 +105,8 @@ def get_axial(numbers, what, c, up):
 @kernel
 def fill_all(numbers, what, c, v):
     """Store a vector of contact c, from number `what` on."""
-    fill(numbers, what, c, v[0])
-    if len(v) > 1:
-        fill(numbers, what + 1, c, v[1])
-    if len(v) > 2:
-        fill(numbers, what + 2, c, v[2])
+    for k in range(len(v)):
+        fill(numbers, what + k, c, v[k])
 
 
 @kernel

@@ -4,7 +4,7 @@ Verlet's method: velocities are kept half a step before the places. A contact se
 with its own force of that step, and all else as of the step before (`contact`). With velocities
 half a step old, the drift of strongly tilted rods would be off by more than a tenth at 20 steps a
 contact. All forces but dashpots and friction derive from `energy`, which weights contacts as they
-do: where two ends meet, and between two ends (`pairs`, `walls`).
+do: where two ends meet, and between two ends (`pairs`, `surfaces`).
 
 An effect is an argument that may be `None`; each has one function, which then does nothing and
 which Numba compiles to nothing. The guide to a new effect is in `md.kernels`.
@@ -37,7 +37,6 @@ from .codes import (
 from .contact import elastic_energy, free_turn, size, turn_by
 from .neighbours import between_ends, gap_vector, near_end, too_fast
 from .pairs import NEARER, nearer, pair_forces, rise, seen_through
-from .plate import Moving, plate_at, plate_before, plate_forces
 from .state import (
     Clock,
     director_of,
@@ -51,9 +50,18 @@ from .state import (
     turn_of,
     velocity_of,
 )
+from .surfaces import (
+    Moving,
+    from_above,
+    from_axis,
+    passes,
+    plate_at,
+    plate_before,
+    plate_forces,
+    within,
+)
 from .touches import Record, cleared, full, recorded
 from .vectors import IN_PLANE, IN_SPACE, along, axial, dot, height, nothing, put, rotated, vector
-from .walls import from_above, from_axis, passes, within
 
 
 class Series(NamedTuple):

@@ -161,18 +161,12 @@ def axial(array, i, first, up):
 @kernel
 def add(array, i, first, v):
     """Add a vector to row i of an array, from column `first` on."""
-    array[i, first] += v[0]
-    if len(v) > 1:
-        array[i, first + 1] += v[1]
-    if len(v) > 2:
-        array[i, first + 2] += v[2]
+    for c in range(len(v)):
+        array[i, first + c] += v[c]
 
 
 @kernel
 def put(array, i, first, v):
     """Store a vector in row i of an array, from column `first` on."""
-    array[i, first] = v[0]
-    if len(v) > 1:
-        array[i, first + 1] = v[1]
-    if len(v) > 2:
-        array[i, first + 2] = v[2]
+    for c in range(len(v)):
+        array[i, first + c] = v[c]

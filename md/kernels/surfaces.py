@@ -1,0 +1,334 @@
+"""Forces of surfaces on a rod, compiled: of the plate, and of the cylindrical walls of an annulus.
+
+The plate touches a rod at both of its caps or corners. A wall touches a rod with its ends; a rod
+that lies along the convex inner wall touches it between them as well, with a weight as of rods that
+cross (`pairs`). `side` is 1 of the inner wall, -1 of the outer one.
+"""
+
+from math import sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from ..cache import kernel
+from .batch import FORCE, MOST, ONE, Alike, Given, acted, enter, get
+from .codes import DEEP, INNER, OUTER, PLATE_WORK, WALL_FRICTION, WALL_NORMAL
+from .contact import Meeting, contact, elastic_energy, losses, turn_by, turning
+from .pairs import NEARER, moving, pull, rise
+from .state import Kept, director_of, forget, inertia_of, nothing_kept, place_of, point
+from .vectors import (
+    IN_SPACE,
+    along,
+    cross,
+    dot,
+    height,
+    nothing,
+    raised,
+    spread,
+    swing,
+    times,
+    torque,
+    upward,
+)
+
+# The plate
+
+
+class Moving(NamedTuple):
+    """Motion of a rod over the plate in one step."""
+
+    z: float  # d
+    director: tuple
+    velocity: tuple  # sqrt(g d); half a step before
+    turn: tuple  # sqrt(g/d); half a step before
+    explicit: bool | None  # True: the dashpots see `now`; None: the velocities of the step
+    now: tuple  # velocity and turn for explicit dashpots
+
+
+class Touch(NamedTuple):
+    """Contact of one cap or corner with the plate; open unless the overlap is > 0."""
+
+    overlap: float  # d
+    end: tuple  # d; from the centre of mass to the centre of the cap, or to the corner
+    arm: tuple  # d; from the centre of mass to the contact point
+    half: tuple  # sqrt(g d); velocity of that point against the plate half a step before
+    kept: Kept  # forces and spring of this step
+    rate: float  # sqrt(g d), at which the contact opens (+) or closes (-)
+    lost: tuple[float, float]  # m g d; by the dashpot of F_n and by friction in this step
+
+
+@kernel
+def end_at(flat, half, cap, director):
+    """Centre of a cap from the centre of mass, and its radius; of a flat end, a corner and 0.
+
+    `cap` is -1 or 1: of round ends along the axis, of the corners of the lower flat end across it.
+    Of a flat-ended rod that lies rather than stands the other corner is the upper end's.
+    """
+    if flat is None:
+        return times(cap * half, director), 0.5
+    sine, cosine = director
+    along_axis, side = -half, 0.5 * cap
+    if cap * sine < 0 and abs(sine) > 2 * half * cosine:
+        along_axis, side = half, -side
+    return (along_axis * sine + side * cosine, along_axis * cosine - side * sine), 0.0
+
+
+@kernel
+def facing(effects, rod, plate, cap, kept):
+    """`Touch` of the cap or corner `cap` of `end_at`, still with its force of the step before."""
+    end, radius = end_at(effects.flat, effects.half_length, cap, rod.director)
+    arm = raised(end, plate[0] - rod.z - height(end))
+    half = raised(point(effects, rod.velocity, rod.turn, rod.director, arm), -plate[1])
+    overlap = plate[0] + radius - (rod.z + height(end))
+    if overlap <= 0.0:
+        kept = nothing_kept(effects.up)
+    return Touch(overlap, end, arm, half, kept, height(half), (0.0, 0.0))
+
+
+@kernel
+def facing_above(upper, effects, rod, plate, kept):
+    """`Touch` of the upper cap, still with its last force; open if there is no second cap."""
+    if upper is None:
+        centre = nothing(rod.velocity)
+        return Touch(-1.0, centre, centre, rod.velocity, nothing_kept(effects.up), 0.0, (0.0, 0.0))
+    return facing(effects, rod, plate, 1.0, kept)
+
+
+@kernel
+def force_on(touch):
+    """Force vector of the plate at one cap."""
+    return raised(spread(touch.kept.rub, upward(touch.arm)), touch.kept.force)
+
+
+@kernel
+def both(forces, lower, upper):
+    """Force and torque on a rod: `forces` by all else, plus those of the plate at both caps."""
+    f, g = force_on(lower), force_on(upper)
+    turned = along(along(forces[1], 1.0, torque(lower.arm, f)), 1.0, torque(upper.arm, g))
+    return along(along(forces[0], 1.0, f), 1.0, g), turned
+
+
+@kernel
+def swept(rolling, rod, arm, end, plate):
+    """Acceleration of the slip by the motion of its arm, and of the axis of its rolling."""
+    lift = plate[1] - height(rod.velocity)
+    if len(arm) == 2:
+        return swing(rod.turn, (0.0, lift))
+    w, turned = rod.turn, cross(rod.turn, end)
+    sweep = cross(turning(rolling, w, rod.director), (turned[0], turned[1], lift))
+    if rolling is None:
+        return sweep
+    bent = cross(cross(w, rod.director), arm)
+    return along(sweep, rolling * dot(w, rod.director), bent)
+
+
+@kernel
+def pressed(effects, rod, touch, plate, forces, dt):
+    """`Touch` of one cap with its force of the step.
+
+    `forces`: force and torque on the rod by everything, the cap's last force included.
+    """
+    overlap, end, arm, half, kept, _, _ = touch
+    if overlap <= 0.0:
+        return touch
+    director, normal, inertia = rod.director, upward(arm), inertia_of(effects)
+    gain = point(effects, forces[0], turn_by(inertia, forces[1], director), director, arm)
+    now = raised(point(effects, rod.now[0], rod.now[1], director, arm), -plate[1])
+    sweep = swept(effects.rolling, rod, arm, end, plate)
+    meeting = Meeting(
+        ((arm, director),), normal, overlap, half, gain, kept.force, kept.rub, kept.spring,
+        sweep, rod.explicit, now,
+    )  # fmt: skip
+    found = contact(effects.normal, effects.friction, inertia, meeting, dt)
+    lost, kept = (
+        losses(effects.normal, meeting, found, dt),
+        Kept(found.normal, found.rub, found.spring),
+    )
+    return Touch(overlap, end, arm, half, kept, found.rate, lost)
+
+
+@kernel
+def plate_forces(effects, rod, kept, plate, others, dt):
+    """Force and torque on a rod by everything, and the `Touch` of its lower (-) and upper (+) cap.
+
+    `kept`: of both caps, `plate`: height and velocity of the plate, `others`: force and torque by
+    all but the plate. The lower cap sees the upper one's last force, the upper one the lower one's
+    of this step. What is kept of a contact is forgotten as it opens.
+    """
+    lower = facing(effects, rod, plate, -1.0, kept[0])
+    upper = facing_above(effects.upper, effects, rod, plate, kept[1])
+    lower = pressed(effects, rod, lower, plate, both(others, lower, upper), dt)
+    upper = pressed(effects, rod, upper, plate, both(others, lower, upper), dt)
+    return both(others, lower, upper), lower, upper
+
+
+@kernel
+def plate_at(plate, step):
+    """Height and velocity of the plate after any number of steps, without rounding of the phase."""
+    if plate is None:
+        return 0.0, 0.0
+    i = step % plate.height.size
+    return plate.height[i], plate.velocity[i]
+
+
+@kernel
+def plate_before(plate, step):
+    """Velocity of the plate half a step before a step."""
+    if plate is None:
+        return 0.0
+    return 0.5 * (plate_at(plate, step - 1)[1] + plate_at(plate, step)[1])
+
+
+# Walls of an annulus
+
+
+class At(NamedTuple):
+    """Contact of a rod with a wall: place on the axis, distance, direction and weight."""
+
+    s: float  # d; place on the axis, from the centre
+    reach: float  # d; from there to the wall
+    out: tuple[float, float, float]  # unit vector from the wall to the rod
+    share: float  # weight of the contact, 0 to 1
+    slot: int  # of its kept force and spring
+
+
+@kernel
+def from_above(place, director):
+    """Products x.x, x.u and u.u of the horizontal parts of a rod's centre x and director u."""
+    x, y, u, v = place[0], place[1], director[0], director[1]
+    return x * x + y * y, x * u + y * v, u * u + v * v
+
+
+@kernel
+def beyond(seen, s):
+    """Squared distance of a point s of a rod from the axis of the annulus.
+
+    `seen`: the products of `from_above`.
+    """
+    return seen[0] + s * (2.0 * seen[1] + s * seen[2])
+
+
+@kernel
+def passes(seen, half, distance):
+    """Whether a rod comes closer than `distance` to the axis of the annulus between its ends.
+
+    It is closest at s = -x.u/u.u.
+    """
+    square, slope, flat = seen
+    if abs(slope) >= half * flat or flat < 1e-12:
+        return False
+    return (square - distance * distance) * flat < slope * slope
+
+
+@kernel
+def from_axis(point):
+    """Horizontal distance of a point from the axis of the annulus, and the unit vector outwards."""
+    rho = sqrt(point[0] * point[0] + point[1] * point[1])
+    return rho, (point[0] / rho, point[1] / rho, 0.0)
+
+
+@kernel
+def against(shaken, v, gain, climb, dt):
+    """Velocity and acceleration of a point against a wall, which is shaken or at rest.
+
+    `climb`: velocity of the shaken wall half a step before, and at the step.
+    """
+    if shaken is None:
+        return v, gain
+    before, now = climb
+    return raised(v, -before), raised(gain, (before - now) * 2 / dt)
+
+
+@kernel
+def collect(effects, state, n, i, at, climb, dt):
+    """Store a contact of rod i with a wall at place n of the batch; return the contact count."""
+    director, rod = director_of(IN_SPACE, state.rods, i), np.uint64(i)
+    arm = along(times(at.s, director), -at.reach, at.out)
+    v, gain = moving(effects, state, i, director, arm)
+    half, gain = against(effects.shaken, v, gain, climb, dt)
+    # a rounding may have told a touch
+    gap = times(0.5 + min(at.reach, 0.5), at.out)
+    given = Given(rod, rod, rod, at.slot, gap, ((arm, director),), half, gain, at.share)
+    return enter(state.scratch.batch, n, given, state.forces, state.springs, IN_SPACE)
+
+
+@kernel
+def act(wall, effects, state, ledger, climb, count, dt):
+    """Compute the collected contacts of a wall and add their forces; return 0, as none is left."""
+    total, batch = state.scratch.total, state.scratch.batch
+    kept, columns = (state.forces, state.springs), (WALL_NORMAL, WALL_FRICTION)
+    alike = Alike(wall, ONE, inertia_of(effects), IN_SPACE, columns)
+    acted(alike, kept, total, batch, ledger, count, dt)
+    worked(effects.shaken, ledger, batch.numbers, climb[1] * dt, count)
+    return 0
+
+
+@kernel
+def worked(shaken, ledger, numbers, climbed, count):
+    """Add the work of a shaken wall to the ledger, by friction alone: the normal is level."""
+    if shaken is None:
+        return
+    if ledger is not None:
+        for c in range(count):
+            ledger[PLATE_WORK] += climbed * get(numbers, FORCE + 2, c)
+
+
+@kernel
+def beside(wall, state, i, half, s):
+    """`At` of rod i on the convex wall, between its ends; adds the forces that keep energy."""
+    place, director = place_of(IN_SPACE, state.rods, i), director_of(IN_SPACE, state.rods, i)
+    rho, out = from_axis(along(place, s, director))
+    lower, out_l = from_axis(along(place, -half, director))
+    upper, out_u = from_axis(along(place, half, director))
+    w_l, slope_l = rise((lower - rho) * (1 / NEARER))
+    w_u, slope_u = rise((upper - rho) * (1 / NEARER))
+    at = At(s, rho - wall.radius, out, w_l * w_u, INNER + 2)
+    if slope_l + slope_u != 0.0:
+        total = state.scratch.total
+        energy = elastic_energy(wall.normal, 0.5 - at.reach) * (1 / NEARER)
+        pulled = energy * (slope_l * w_u + w_l * slope_u)
+        pull(total, i, times(s, director), times(pulled, out))
+        pull(total, i, times(-half, director), times(-energy * slope_l * w_u, out_l))
+        pull(total, i, times(half, director), times(-energy * w_l * slope_u, out_u))
+    return at
+
+
+@kernel(inline=False)
+def wall_forces(wall, effects, state, ledger, side, climb, dt):
+    """Add the forces of a wall on all rods; return a rod that is too deep in it, or -1."""
+    rods, half, n, slot = state.rods, effects.half_length, 0, INNER if side > 0 else OUTER
+    touching = wall.radius + 0.5 * side
+    for i in range(rods.shape[0]):
+        place, director = place_of(IN_SPACE, rods, i), director_of(IN_SPACE, rods, i)
+        seen = from_above(place, director)
+        if n > MOST:
+            n = act(wall, effects, state, ledger, climb, n, dt)
+        for cap in range(1 if effects.upper is None else 2):
+            s = half if cap else -half
+            if side * (beyond(seen, s) - touching**2) >= 0:
+                forget(IN_SPACE, state.forces, state.springs, i, slot + cap)
+                continue
+            rho, out = from_axis(along(place, s, director))
+            reach = side * (rho - wall.radius)
+            if not 0.5 - reach <= DEEP:
+                return i
+            at = At(s, reach, times(side, out), 1.0, slot + cap)
+            n = collect(effects, state, n, i, at, climb, dt)
+        if side > 0:
+            if passes(seen, half, touching):
+                at = beside(wall, state, i, half, -seen[1] / seen[2])
+                if not 0.5 - at.reach <= DEEP:
+                    return i
+                n = collect(effects, state, n, i, at, climb, dt)
+            else:
+                forget(IN_SPACE, state.forces, state.springs, i, slot + 2)
+    act(wall, effects, state, ledger, climb, n, dt)
+    return -1
+
+
+@kernel
+def within(wall, effects, state, ledger, side, climb, dt):
+    """Add the forces of a wall, which may be absent; return a rod that is too deep in it, or -1."""
+    if wall is None:
+        return -1
+    return wall_forces(wall, effects, state, ledger, side, climb, dt)
