@@ -154,7 +154,7 @@ def constant_restitution(
     Parameters
     ----------
     restitution : of a head-on impact at any speed, 0 or 1e-6 to 1. No dashpot gives 0: there the
-        contact is plastic, without force while it opens
+        contact is plastic, without force while it opens; not between rods
     stiffness : k_n, in m g/d^(3/2)
     tangential_ratio : tangential stiffness over k_n sqrt(overlap), > 0
     tangential_damping : ratio to the critical one of the contact's tangential mass, >= 0

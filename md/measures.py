@@ -30,12 +30,13 @@ def phase_at(time: Any) -> Any:
 
 
 def wedged_periods(scene: Scene) -> float:
-    """Periods without a touch after which a rod counts as wedged: 20 flights that begin at V_0.
+    """Periods without a new touch after which a rod counts as wedged: 20 flights from V_0.
 
-    In annuli of 23 to 56 rods, rods that do not wedge touch again within 6 such flights; of 54 rods
-    that wedged, 46 never did.
+    On a plate that cannot throw rods, at Gamma up to 1, none does. In annuli of 23 to 56 rods, rods
+    that do not wedge touch again within 6 such flights; of 54 rods that wedged, 46 never did.
     """
-    return 20 * max(scene.plate.acceleration / pi, 1.0) if scene.plate else inf
+    gamma = scene.plate.acceleration if scene.plate else 0.0
+    return 20 * max(gamma / pi, 1.0) if gamma > 1 else inf
 
 
 def quantities(rows: np.ndarray, per: int, speed: float) -> dict[str, Any]:
@@ -224,7 +225,7 @@ class Tables:
         return np.roll(counts, -(_PARTS // 4)).tolist()
 
     def _wedged(self, record: columns.Record) -> float:
-        """Share of rods wedged at the end, which have not touched the plate for long."""
+        """Share of rods wedged at the end, which have kept off the plate, or on it, for long."""
         since = columns.since_touch(record, self.engine.step)
         return float((since > wedged_periods(self.engine.scene) * self.per).mean())
 

@@ -1,7 +1,7 @@
 """Places of rods in the gap of an annulus: largest tilt of a single rod, initial places of many."""
 
 from collections.abc import Iterator
-from math import acos, asin, cos, pi, sin, sqrt
+from math import acos, asin, cos, degrees, pi, sin, sqrt
 
 import numpy as np
 from scipy.optimize import brentq, minimize
@@ -14,6 +14,7 @@ from .scene import GAP, Annulus
 
 _ROOM = 1e-5  # d; gap to which overlapping rods are pushed apart
 _STEPS = 2_000  # iterations of that at most
+_KEPT_DEG = 2.0  # by which rods that are pushed apart may lean otherwise than asked for
 
 
 def largest_tilt(gap: Annulus, length: float) -> float:
@@ -59,7 +60,7 @@ def placed(
     Raises
     ------
     ValueError
-        If the rods cannot be placed.
+        If the rods cannot be placed, or lean otherwise than asked for by 2 degrees.
     """
     radii = f"{gap.inner:g} and {gap.outer:g}"
     refused = f"rods.count {count} do not fit into the annulus of radii {radii}"
@@ -73,10 +74,17 @@ def placed(
         _push_apart(gap, rods, half)
         left = overlap(gap, rods, half)
         if left <= -GAP:
-            return rods[:, :VELOCITY]
-    raise InputError(
-        f"{refused}: pushed apart as far as they go, overlaps of {max(left, 0.0):.2g} d are left"
-    )
+            break
+    else:
+        still = f"overlaps of {max(left, 0.0):.2g} d are left"
+        raise InputError(f"{refused}: pushed apart as far as they go, {still}")
+    leans = degrees(np.arccos(np.abs(rods[:, VELOCITY - 1])).mean())
+    if tilt is not None and abs(leans - abs(degrees(tilt))) > _KEPT_DEG:
+        raise InputError(
+            f"start.tilt_deg must leave {count} rods room in the annulus of radii {radii}, got "
+            f"{degrees(tilt):g}: pushed apart, they lean by {leans:.3g}"
+        )
+    return rods[:, :VELOCITY]
 
 
 def _most_upright(gap: Annulus) -> int:

@@ -257,7 +257,7 @@ def _cost(r: Result) -> list[str]:
             lines.append(f"warning      an annulus needs {SETTLING} periods or more to settle")
     if r.wedged:
         since = f"the plate for {wedged_periods(r.scene):.0f} {_unit(r)}"
-        lines.append(f"warning      wedged: {r.wedged:.0%} of the rods have not touched {since}")
+        lines.append(f"warning      wedged: {r.wedged:.0%} of the rods have kept off or on {since}")
     n, each = r.scene.rods.count, r.run_seconds / max(r.rod_steps, 1) * 1e9
     steps = f"{r.rod_steps:.3g} rod-steps of dt = {r.dt:.3g} sqrt(d/g)"
     rods = f"{n} rod{'s' * (n > 1)}, {r.steps_per_period} steps a {_unit(r).removesuffix('s')}"

@@ -24,6 +24,7 @@ from .laws import LAWS, Inertia, Law, Length
 from .units import GRAVITY_CM, TWINS, Diameter, Frequency, cm_per_s, in_cm, reduced, rivals
 
 SCENES = Path(__file__).parent / "scenes"
+_NARROWEST = 1.0001  # d; gap of an annulus in which rods can be placed
 GAP = 1e-6  # d, between rods and over the plate at the start: if they touched, rounding would push
 _Angle = Annotated[float, -90.0, 90.0]
 _NEEDS = {"plate": "contacts.plate", "annulus": "contacts.wall"}  # each the other
@@ -81,7 +82,7 @@ class Annulus(Part):
     """Gap between two vertical cylinders. With it, rods move in space.
 
     inner : radius of the inner wall, d
-    outer : radius of the outer wall, d, at least 1 more
+    outer : radius of the outer wall, d, at least 1.0001 more
     shaken : both walls move with the plate; else they are at rest
     """
 
@@ -91,9 +92,9 @@ class Annulus(Part):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not self.outer - self.inner >= 1:
-            least = f"a diameter beyond annulus.inner, {self.inner + 1:.6g}"
-            raise InputError(f"annulus.outer must be at least {least}, got {self.outer:.6g}")
+        if not self.outer - self.inner >= _NARROWEST:
+            least = f"{_NARROWEST} beyond annulus.inner, {self.inner + _NARROWEST:.9g}"
+            raise InputError(f"annulus.outer must be at least {least}, got {self.outer:.9g}")
 
     @property
     def middle(self) -> float:
@@ -145,7 +146,8 @@ class Start(Part):
 
     They start a millionth of a diameter over the plate and, where the box sets the tilt, apart.
 
-    tilt_deg : degrees; None: acos(count d/length of the box), side by side
+    tilt_deg : degrees; None: acos(count d/length of the box), side by side; in an annulus the tilt
+        at which rods fill the circle
     seed : of the random velocities
     speed : largest value of each component of them, sqrt(g d)
     drop : height of the caps over the plate, d
@@ -210,6 +212,9 @@ class Scene(Part):
                     f"contacts.{name}.law must have a tangential spring, got {contact.law.name!r}: "
                     "friction as a constraint is for the plate"
                 )
+        rods = self.contacts.rods
+        if rods and rods.law.normal.plastic:  # each contact of a rod would stop it for all others
+            raise InputError("contacts.rods.restitution must be above 0, got a plastic contact")
         if self.annulus is None:
             if self.start.tilt_deg is None and self.box is None:
                 raise InputError("start.tilt_deg is missing: without a box it has no default")
@@ -401,7 +406,8 @@ def _parsed(assignment: str) -> tuple[str, Any]:
 def put(tables: Mapping, changes: Mapping[str, Any]) -> dict:
     """A copy of a scene's tables with the values of some dotted keys changed; "none" removes.
 
-    A changed key replaces the keys that say the same: an amplitude, say, an acceleration.
+    A changed key replaces the keys that say the same: an amplitude, say, an acceleration; one that
+    is removed takes them along.
     """
     changed = deepcopy(dict(tables))
     for key, value in changes.items():
@@ -411,12 +417,12 @@ def put(tables: Mapping, changes: Mapping[str, Any]) -> dict:
             table = table.setdefault(part, {})
             if not isinstance(table, dict):
                 raise InputError(f"--set {key}: {part} is a value, not a table")
+        for other in rivals(key):
+            if other not in changes:
+                table.pop(other.partition(".")[2], None)
         if value == "none":
             table.pop(last, None)
         else:
-            for other in rivals(key):
-                if other not in changes:
-                    table.pop(other.partition(".")[2], None)
             table[last] = value
     return changed
 

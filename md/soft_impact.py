@@ -57,9 +57,10 @@ _ROUGH = 10.0  # friction as a constraint beyond which Gear's method, which pred
 _FINE = 100  # default steps per head-on contact time
 _FINEST = 1e8  # largest number of steps of a contact: more would take too long
 _SLOWEST = 1e-30  # speed of an impact below which numbers run out
+_LEAST_MOVE = 1e3  # of a rod in a step, in units in the last place of its height
 _STEPS_A_CALL = 10**6  # some 50 ms: signals are seen between calls
 _SWITCHES = 10_000  # of one contact at most; a soft spring that rattles at the end makes hundreds
-LARGE = 1e4  # friction beyond which the slip stops too soon after the touch to be followed
+_LARGE = 1e4  # friction beyond which the slip stops too soon after the touch to be followed
 
 
 class Impact(NamedTuple):
@@ -304,16 +305,13 @@ def follow(
     Raises
     ------
     ValueError
-        If another cap or corner touches too, a tangential spring has no dashpot beside it, or the
-        coefficient of friction is beyond LARGE.
+        If another cap or corner touches too, or a tangential spring has no dashpot beside it.
     RunError
         If friction switches without an end.
     """
     spring = effects.friction.spring if effects.friction else None
     if spring and not any(spring[2:]):  # its dashpots
         raise InputError("dop853 needs a dashpot beside the tangential spring")
-    if effects.friction and effects.friction.coefficient > LARGE:
-        raise InputError(f"dop853 needs a friction of at most {LARGE:g}")
     a_x = lower_end(effects, tilt).arm(tilt)[0]
     speed = abs(velocity[1] - velocity[2] * a_x)
     contact = _Contact(effects, tilt, speed, tolerance)
@@ -383,8 +381,8 @@ def impact(
     rod : length, inertia and ends
     law : contact law; default `coulomb(restitution=0.65)`
     integrator : "leapfrog", "verlet", "gear", or the adaptive "dop853" with located events, which
-        follows one cap or corner only; "gear" takes no plastic contact, and friction as a
-        constraint up to 10
+        follows one cap or corner only, with a friction up to 10,000; "gear" takes no plastic
+        contact, and friction as a constraint up to 10
     dt : step, sqrt(d/g); default a hundredth of the contact time or a quarter of the stable step
     offset : part of a step that is left at the first step until the touch, 0 to 1
     tolerance : of "dop853", relative, per step, 1e-14 to 1e-3, default 1e-13
@@ -415,6 +413,8 @@ def impact(
         if law.spring is None and friction > _ROUGH:
             limit = f"at most {_ROUGH:g} under gear, as a constraint"
             raise InputError(f"friction must be {limit}, got {friction!r}")
+    if integrator == "dop853" and friction > _LARGE:
+        raise InputError(f"friction must be at most {_LARGE:g} under dop853, got {friction!r}")
     end = lower_end(effects, tilt)
     speed = -(velocity[1] - velocity[2] * end.arm(tilt)[0])
     if not speed > 0:
@@ -429,6 +429,11 @@ def impact(
         step = nan
     else:
         position = np.array([0.0, -end.arm(tilt)[1], tilt])
+        if speed < (slowest := _LEAST_MOVE * np.spacing(position[1]) / step):
+            raise InputError(
+                f"the impact must be at {slowest:.2g} sqrt(g d) or faster at dt = {step:.3g}, or "
+                f"under dop853; got {speed:g}"
+            )
         done = _by_steps(effects, position, np.array(velocity), integrator, step, offset)
     c_x, c_z, omega = map(float, done.velocity)
     v_f = c_z - omega * end.arm(done.position[2])[0]

@@ -69,8 +69,10 @@ def rivals(key: str) -> list[str]:
 def _value(tables: Mapping, key: str) -> Any:
     """Value of a dotted key; None if there is none."""
     part, _, name = key.partition(".")
-    table = tables.get(part)
-    return table.get(name) if isinstance(table, Mapping) else None
+    table = tables.get(part, {})
+    if not isinstance(table, Mapping):
+        raise InputError(f"{part} must be a table, got {table!r}")
+    return table.get(name)
 
 
 def reduced(tables: Mapping) -> tuple[dict, dict[str, str]]:

@@ -25,8 +25,8 @@ from md.kernels.codes import (
     X,
 )
 from md.kernels.contact import ContactForces, Friction
-from md.kernels.surfaces import plate_at
 from md.kernels.state import Motion, Wall
+from md.kernels.surfaces import plate_at
 from md.laws import deepest_overlap
 
 from .rows import (

@@ -86,9 +86,9 @@ def new_record(rods: int, capacity: int) -> Record:
 
 
 def since_touch(record: Record, step: int) -> np.ndarray:
-    """Steps since the last touch of each rod, or since the start; 0 for a rod that touches."""
-    left = np.nan_to_num(record.open[:, _LEFT])
-    return np.where(record.watch[:, WATCH_TOUCHED] > 0, 0, step - left)
+    """Steps since the touch of each rod began, or its last one ended, or since the start."""
+    last = np.where(record.watch[:, WATCH_TOUCHED] > 0, record.open[:, STEP], record.open[:, _LEFT])
+    return step - np.nan_to_num(last)
 
 
 # One contact
