@@ -8,7 +8,7 @@ twice as long, and the bias follows from the difference.
 """
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from functools import partial
@@ -233,18 +233,16 @@ class _Goal:
 
 def _together(runs: list[Run], periods: int, stop: Callable[[], bool]) -> None:
     """March all runs until each has made `periods`, each in its thread; one that fails ends all."""
-    failed = Event()
-
-    def march(running: Run) -> None:
-        try:
-            running.march(periods, lambda: failed.is_set() or stop())
-        except BaseException:
-            failed.set()
-            raise
-
+    ended = Event()
     with ThreadPoolExecutor(len(runs)) as pool:
-        for marching in [pool.submit(march, running) for running in runs]:
-            marching.result()
+        until = periods, lambda: ended.is_set() or stop()
+        marches = [pool.submit(running.march, *until) for running in runs]
+        try:
+            wait(marches, return_when=FIRST_EXCEPTION)
+        finally:  # also by an exception in this thread, which a handler of a signal has raised
+            ended.set()
+    for marching in marches:
+        marching.result()
 
 
 def pursued(goal: _Goal, runs: list[Run]) -> Result:
@@ -254,14 +252,14 @@ def pursued(goal: _Goal, runs: list[Run]) -> Result:
             stack.enter_context(running)
         pressed = stack.enter_context(interruptible())
         begin, periods = perf_counter(), goal.first
-        while not (goal.over or pressed()):
+        while not goal.over:
             _together(runs, periods, lambda: pressed() or perf_counter() > goal.end)
             histories = [History(*running.history()) for running in runs]
             if pressed():
                 goal.look(histories)
-            else:
-                goal.end = begin + goal.max_seconds
-                periods = goal.judge(histories, perf_counter() - begin)
+                break
+            goal.end = begin + goal.max_seconds
+            periods = goal.judge(histories, perf_counter() - begin)
         return runs[0].result(goal.over)
 
 

@@ -21,6 +21,7 @@ import shutil
 import tempfile
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cache, partial
 from pathlib import Path
 from typing import Any
@@ -172,8 +173,9 @@ def directory() -> Path | None:
         with tempfile.TemporaryFile(dir=folder):
             pass
         for other in home.iterdir():
-            if other != folder and time.time() - other.stat().st_mtime > _KEPT:
-                shutil.rmtree(other, ignore_errors=True)
+            with suppress(FileNotFoundError):  # another process has removed it
+                if other != folder and time.time() - other.stat().st_mtime > _KEPT:
+                    shutil.rmtree(other, ignore_errors=True)
         return folder
     except (OSError, RuntimeError) as error:  # RuntimeError: a user without a home
         _warn_once(

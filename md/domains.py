@@ -41,7 +41,7 @@ class RunError(RuntimeError):
 def number(name: str, value: Any, low: float, high: float, domain: str = "") -> float:
     """`value` as a float in [low, high]; `domain` says in words what is allowed."""
     try:
-        if isinstance(value, bool | np.bool_ | str):
+        if isinstance(value, bool | np.bool_ | str | bytes):
             raise TypeError
         found = float(value)
     except (TypeError, ValueError, OverflowError):

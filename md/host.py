@@ -48,7 +48,7 @@ from .kernels.touches import Record, new_record
 from .kernels.vectors import IN_SPACE
 from .laws import Rod, contact_time, effects_of, friction_of, largest_step
 from .placement import placed
-from .scene import GAP, Annulus, Contact, Scene
+from .scene import GAP, Annulus, Contact, Scene, as_dict, flat
 
 STEPS_PER_CONTACT = 48  # at twice the plate's peak velocity
 _MOST_STEPS = 10**7  # of a period
@@ -129,17 +129,6 @@ def plate_motion(scene: Scene, per: int) -> Motion | None:
     angle = 2 * pi * np.arange(per) / per
     amplitude = scene.plate_speed / (2 * pi * scene.frequency)
     return Motion(-amplitude * np.cos(angle), scene.plate_speed * np.sin(angle))
-
-
-def _flat(group: Any, prefix: str = "") -> dict[str, np.ndarray]:
-    """Arrays in nested tuples, by dotted name; without scratch arrays and absent ones."""
-    found: dict[str, np.ndarray] = {}
-    for name, value in group._asdict().items():
-        if isinstance(value, tuple) and name != "scratch":
-            found |= _flat(value, f"{prefix}{name}.")
-        elif isinstance(value, np.ndarray):
-            found[f"{prefix}{name}"] = value
-    return found
 
 
 @dataclass
@@ -267,8 +256,8 @@ class Engine:
         return np.split(rods, [dimensions, 2 * dimensions, 3 * dimensions], axis=1)
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """Arrays that change as the run goes on, by dotted name."""
-        return _flat(self.state) | _flat(self.watchers)
+        """Arrays that change as the run goes on, by dotted name; without scratch arrays."""
+        return flat(as_dict(self.state) | {"scratch": {}} | as_dict(self.watchers))
 
     def restore(self, arrays: dict[str, np.ndarray], step: int) -> None:
         """Take over the arrays and the step of another run of the same scene."""

@@ -165,14 +165,6 @@ class Tables:
         part = self.series.rows[:periods]
         return np.degrees(part[:, codes.TILT_SUM] / part[:, codes.SAMPLED])
 
-    def quotient(self, over: np.ndarray, under: np.ndarray) -> dict[str, float]:
-        """Quotient of two sums over all periods, and its standard error; nan in an annulus.
-
-        `over`, `under`: numerator and denominator, one value a period.
-        """
-        mean, stderr = ratio(over, under)
-        return {"mean": mean, "stderr": nan if self.annulus else stderr}
-
     def results(self, first: int, periods: int) -> dict[str, Any]:
         """Fields of a `Result` but for drift and tilt, from periods `first` to `periods`.
 
@@ -186,7 +178,7 @@ class Tables:
                 found["touches"] = self._means(0, MEANS, first, periods)
                 found["landings"] = self._means(1, OF_LANDINGS, first, periods)
         if self.annulus is None:
-            found["fell"] = int(self.series.rows[:, codes.FELL].sum())
+            found["fell"] = int(self.fell(periods).sum())
         elif self.engine.record is not None:
             found["wedged"] = self._wedged(self.engine.record)
         return found
@@ -211,10 +203,15 @@ class Tables:
         return step
 
     def _means(self, kind: int, names: dict, first: int, last: int) -> dict[str, Any]:
+        """Quotients of two sums over all periods, and standard errors; these nan in an annulus."""
         part = dict(zip(SUMS, self.sums[first:last, kind].T, strict=True))
         part["rods"] = np.full(last - first, self.engine.scene.rods.count)
         pairs = names | {"per_rod_and_period": ("count", "rods")}
-        return {name: self.quotient(part[top], part[base]) for name, (top, base) in pairs.items()}
+        found = {name: ratio(part[top], part[base]) for name, (top, base) in pairs.items()}
+        return {
+            name: {"mean": mean, "stderr": nan if self.annulus else stderr}
+            for name, (mean, stderr) in found.items()
+        }
 
     def cycle(self, first: int, last: int) -> list[int]:
         """Number of touches in each part of the plate's cycle, from where the plate rises fastest.

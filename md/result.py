@@ -1,5 +1,6 @@
 """Result of a run: its numbers, and the text that the command prints of them."""
 
+import json
 from dataclasses import asdict, dataclass
 from math import isfinite, isnan
 from typing import TYPE_CHECKING, Any
@@ -91,7 +92,8 @@ class Result:
         begins where it rises through its mean height; empty without a plate
     c_x_series, tilt_series, fell_series : drift, tilt in degrees and number of rods that fell over,
         period by period, transient included
-    rods : x, z, sin and cos of the tilt at the end; c_x, c_z, omega half a step before
+    rods : x, z, sin and cos of the tilt at the end; c_x, c_z, omega half a step before; in an
+        annulus place and director, velocity and turn, as in `kernels.codes`
     finished : False if the run was interrupted
     accuracy : of c_x; None without a tolerance
     """
@@ -187,13 +189,7 @@ class Result:
 
 def finite(value: Any) -> Any:
     """`value` with None in place of nan and inf, which JSON lacks."""
-    if isinstance(value, dict):
-        return {key: finite(inner) for key, inner in value.items()}
-    if isinstance(value, list | tuple):
-        return [finite(inner) for inner in value]
-    if isinstance(value, float) and not np.isfinite(value):
-        return None
-    return value
+    return json.loads(json.dumps(value), parse_constant=lambda _: None)
 
 
 def result_text(result: Result) -> str:

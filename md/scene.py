@@ -320,6 +320,17 @@ def as_dict(part: Any) -> Any:
     return {name: as_dict(value) for name, value in values.items() if value is not None}
 
 
+def flat(tables: Mapping, prefix: str = "") -> dict[str, Any]:
+    """Nested tables as one table with dotted names."""
+    found: dict[str, Any] = {}
+    for key, value in tables.items():
+        if isinstance(value, dict):
+            found |= flat(value, f"{prefix}{key}.")
+        else:
+            found[f"{prefix}{key}"] = value
+    return found
+
+
 def _contact(name: str, table: Mapping) -> Contact:
     """Make a contact from its table: law, friction, and the options of the law."""
     options = dict(table)
@@ -414,7 +425,8 @@ def put(tables: Mapping, changes: Mapping[str, Any]) -> dict:
         table = changed
         *path, last = key.split(".")
         for part in path:
-            table = table.setdefault(part, {})
+            # what is to be removed from a part that is not there makes no part
+            table = table.get(part, {}) if value == "none" else table.setdefault(part, {})
             if not isinstance(table, dict):
                 raise InputError(f"--set {key}: {part} is a value, not a table")
         for other in rivals(key):

@@ -434,7 +434,7 @@ def _measured(path: Path, result: str) -> list[Target]:
     for count, row in enumerate(rows, 1):
         where = f"{path}, row {count}"
         try:
-            if "nan" in map(str.lower, row):  # an empty cell asks, a failed measurement does not
+            if "nan" in ",".join(row).lower():  # an empty cell asks, a failed measurement does not
                 raise ValueError
             cells = dict(zip(heads, (float(cell or "nan") for cell in row), strict=True))
         except ValueError:

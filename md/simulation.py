@@ -193,9 +193,9 @@ class Run:
                 frames = trajectory.per_period
                 number, since = divmod(engine.step * frames, engine.per)
                 if since < frames:  # the first step at or behind `number` parts of the period
-                    time = engine.step / engine.per
+                    now = engine.step / engine.per, engine.plate_height
                     with naming(trajectory.path):
-                        trajectory.write(engine.rods, time, engine.plate_height)
+                        trajectory.write(engine.rods, *now, engine.effects.rolling)
                 steps = min(steps, -(-(number + 1) * engine.per // frames) - engine.step)
             begin, before = perf_counter(), self.made
             engine.go(steps, self.tables.series)

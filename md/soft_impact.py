@@ -384,7 +384,8 @@ def impact(
         follows one cap or corner only, with a friction up to 10,000; "gear" takes no plastic
         contact, and friction as a constraint up to 10
     dt : step, sqrt(d/g); default a hundredth of the contact time or a quarter of the stable step
-    offset : part of a step that is left at the first step until the touch, 0 to 1
+    offset : part of a step that is left at the first step until the touch, 0 to 1; "dop853", which
+        begins at the touch, makes no use of it
     tolerance : of "dop853", relative, per step, 1e-14 to 1e-3, default 1e-13
 
     Raises
@@ -393,7 +394,8 @@ def impact(
         If an argument is out of its domain or has no meaning, the contact point does not approach
         the plate, the step is not stable or the plate too soft.
     RunError
-        If the state stops being finite, or friction switches without an end.
+        If the state stops being finite, the overlap exceeds d/2, or friction switches without an
+        end.
     """
     rod = held("rod", rod, Rod)
     law = coulomb() if law is None else held("law", law, Law)

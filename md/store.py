@@ -18,6 +18,7 @@ from typing import Any
 
 from .domains import InputError, held
 from .files import empty, plain, replacing, writable
+from .scene import flat
 from .units import in_cm
 
 _VERSION = 2  # 1: other names of keys and columns
@@ -183,24 +184,13 @@ def named(result: dict | None, name: str) -> Any:
         If the results have no such name; the message names what there is.
     """
     held("names", name, str)
-    flat = _flat(result or {})
-    absent = (f"{key}." for key, value in flat.items() if value is None)
+    values = flat(result or {})
+    absent = (f"{key}." for key, value in values.items() if value is None)
     if result is None or name.startswith(tuple(absent)):
         return None
-    if name not in flat:
-        raise InputError(f"{name} is not in the results: {', '.join(flat)}")
-    return flat[name]
-
-
-def _flat(tables: dict, prefix: str = "") -> dict[str, Any]:
-    """Nested tables as one table with dotted names."""
-    found: dict[str, Any] = {}
-    for key, value in tables.items():
-        if isinstance(value, dict):
-            found |= _flat(value, f"{prefix}{key}.")
-        else:
-            found[f"{prefix}{key}"] = value
-    return found
+    if name not in values:
+        raise InputError(f"{name} is not in the results: {', '.join(values)}")
+    return values[name]
 
 
 def table(path: str | Path) -> tuple[list[str], list[dict[str, Any]]]:
@@ -223,9 +213,10 @@ def table(path: str | Path) -> tuple[list[str], list[dict[str, Any]]]:
     rows = []
     for found in runs:
         scene, result = found.pop("scene"), found.pop("result") or {}
-        row = _flat(scene) | in_cm(scene) | _flat(result) | found
+        row = flat(scene) | in_cm(scene) | flat(result) | found
         rows.append({name: value for name, value in row.items() if not isinstance(value, list)})
-    return list(dict.fromkeys([*(name for row in rows for name in row), *_OF_RUN])), rows
+    names = dict.fromkeys(name for row in rows for name in row if name not in _OF_RUN)
+    return [*names, *_OF_RUN], rows
 
 
 def write_csv(path: str | Path, columns: list[str], rows: list[dict[str, Any]]) -> None:

@@ -77,7 +77,9 @@ class Trajectory:
         """Path of the file, and where its frames end, in bytes."""
         return str(self.path), self.file.tell() if self.file else self.kept
 
-    def write(self, rods: np.ndarray, time: float, height: float) -> None:
+    def write(
+        self, rods: np.ndarray, time: float, height: float, rolling: float | None = None
+    ) -> None:
         """Append a frame.
 
         Parameters
@@ -85,6 +87,7 @@ class Trajectory:
         rods : (N, 7), columns as in `kernels.codes`, or (N, 12) in an annulus
         time : periods since the start, at which the plate is at its lowest point
         height : of the plate, in d
+        rolling : as of `kernels.state.Effects`
 
         Lengths are in d, velocities in sqrt(g d); beside the time stand the plate's phase in rad, d
         in cm and sqrt(g d) in cm/s. Columns: species (rod); place x, y, z; 0 (no element); number;
@@ -97,7 +100,7 @@ class Trajectory:
             self.file = self.path.open("r+b")
             self.file.truncate(self.file.seek(self.kept))
         lines = [_head(self.scene, time, height)]
-        for i, (place, turn, velocity, omega, tilt) in enumerate(_in_space(rods)):
+        for i, (place, turn, velocity, omega, tilt) in enumerate(_in_space(rods, rolling or 0.0)):
             numbers = [*turn, 0.5, 0.5, self.scene.rods.length - 1, *velocity, *omega, tilt]
             lines.append(f"rod {_text(place)} 0 {i} {_text(numbers)}\n")
         self.file.write("".join(lines).encode())
@@ -140,7 +143,7 @@ def _is_trajectory(path: Path) -> bool:
         return f" Properties={_COLUMNS} ".encode() in file.readline(1000)
 
 
-def _in_space(rods: np.ndarray) -> Iterator[tuple]:
+def _in_space(rods: np.ndarray, rolling: float = 0.0) -> Iterator[tuple]:
     """Place, quaternion, velocity, angular velocity and tilt [deg] of each rod."""
     for row in rods.tolist():
         if len(row) == 7:
@@ -149,9 +152,10 @@ def _in_space(rods: np.ndarray) -> Iterator[tuple]:
             turn = 0.0, sin(phi / 2), 0.0, cos(phi / 2)
             yield (x, 0.0, z), turn, (c_x, 0.0, c_z), (0.0, omega, 0.0), degrees(phi)
             continue
-        a, b, c = row[DIRECTOR:VELOCITY]
+        a, b, c = director = np.array(row[DIRECTOR:VELOCITY])
+        spin = row[TURN:] + rolling * np.dot(row[TURN:], director) * director
         across = hypot(a, b)
         phi = atan2(across, c)
         part = sin(phi / 2) / (across or 1.0)
         turn = -b * part, a * part, 0.0, cos(phi / 2)
-        yield row[PLACE:DIRECTOR], turn, row[VELOCITY:TURN], row[TURN:], degrees(phi)
+        yield row[PLACE:DIRECTOR], turn, row[VELOCITY:TURN], spin, degrees(phi)

@@ -11,8 +11,8 @@ from numpy.testing import assert_allclose
 
 import md
 from md.__main__ import main
-from md.scene import as_dict, from_tables, keys, put
-from md.store import _flat, table
+from md.scene import as_dict, flat, from_tables, keys, put
+from md.store import table
 from md.sweep import execute, expand
 from md.units import TWINS, error_of, in_cm, labelled
 
@@ -127,7 +127,7 @@ def test_what_is_measured_and_chosen_has_a_unit_and_a_name(changes):
     rows, scene = [], md.load("annulus" if "rods.count=9" in changes else "my_rods", changes)
     result = md.run(scene, periods=3, observe=rows.append)
     apart = {"scene", "versions", "scene_digest", "finished", "settled"}
-    results = {key for key in _flat(result.as_dict()) if key.partition(".")[0] not in apart}
+    results = {key for key in flat(result.as_dict()) if key.partition(".")[0] not in apart}
     touches, landings = md.records.touches(rows, result), md.records.landings(rows, result)
     assert (*touches.dims, *landings.dims) == ("touch", "landing")
     assert "units" not in landings.touches.attrs

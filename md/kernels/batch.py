@@ -28,7 +28,7 @@ SHARE = 21  # weight of the contact, 0 to 1, if several are one
 # Kept, of the step before, then of this one, for a contact of the weight 1:
 PRESSED, RUB, SPRING = 22, 23, 26  # F_n, F_t, length of the spring
 # Results:
-FORCE, TORQUE, OTHER_TORQUE = 29, 32, 35
+FORCE, TORQUE = 29, 32  # TORQUE on the first rod, 3 further on the second, as of arms
 NORMAL_LOSS, FRICTION_LOSS = 38, 39  # of this step
 NUMBERS = 40
 
@@ -125,19 +125,13 @@ def fill_kept(numbers, c, kept):
 
 
 @kernel
-def fill_body(numbers, what, n, arm, director):
-    """Store a body of contact n; `what`: where its arm and, in space, its director begin."""
-    fill_all(numbers, what[0], n, arm)
-    if len(arm) == 3:
-        fill_all(numbers, what[1], n, director)
-
-
-@kernel
 def fill_bodies(numbers, n, bodies):
-    """Store both bodies of contact n, or the one at a wall."""
-    fill_body(numbers, (ARM, DIRECTOR), n, bodies[0][0], bodies[0][1])
-    if len(bodies) == 2:
-        fill_body(numbers, (OTHER_ARM, OTHER_DIRECTOR), n, bodies[1][0], bodies[1][1])
+    """Store both bodies of contact n, or the one at a wall: arms and, in space, directors."""
+    for rod in range(len(bodies)):
+        arm, director = bodies[rod]
+        fill_all(numbers, ARM + 3 * rod, n, arm)
+        if len(arm) == 3:
+            fill_all(numbers, DIRECTOR + 3 * rod, n, director)
 
 
 @kernel
@@ -167,9 +161,9 @@ def bodies_of(rods, numbers, c, up):
 @kernel
 def fill_torques(numbers, c, bodies, force):
     """Store the torques on both bodies of contact c, by a force on the first."""
-    fill_all(numbers, TORQUE, c, torque(bodies[0][0], force))
-    if len(bodies) == 2:
-        fill_all(numbers, OTHER_TORQUE, c, times(-1.0, torque(bodies[1][0], force)))
+    for rod in range(len(bodies)):
+        sign = 1.0 - 2.0 * rod  # the opposite force acts on the second
+        fill_all(numbers, TORQUE + 3 * rod, c, times(sign, torque(bodies[rod][0], force)))
 
 
 @kernel
@@ -225,13 +219,11 @@ def acted(alike, kept, sums, batch, ledger, count, dt):
     for c in range(min((count + WIDTH - 1) // WIDTH * WIDTH, SIZE)):  # beyond `count` idle ones
         act_on(alike, ledger, numbers, c, dt)
     for c in range(count):
-        i, force = np.uint64(place[c, 0]), get_vector(numbers, FORCE, c, up)
-        add(sums, i, 0, force)
-        add(sums, i, len(force), get_axial(numbers, TORQUE, c, up))
-        if len(alike.rods) == 2:
-            j = np.uint64(place[c, 1])
-            add(sums, j, 0, times(-1.0, force))
-            add(sums, j, len(force), get_axial(numbers, OTHER_TORQUE, c, up))
+        force = get_vector(numbers, FORCE, c, up)
+        for rod in range(len(alike.rods)):
+            i = np.uint64(place[c, rod])
+            add(sums, i, 0, times(1.0 - 2.0 * rod, force))
+            add(sums, i, len(force), get_axial(numbers, TORQUE + 3 * rod, c, up))
         row, slot = np.uint64(place[c, 2]), np.uint64(place[c, 3])
         keep(forces, springs, row, slot, get_kept(numbers, c, up))
     booked(ledger, numbers, alike.columns, count)

@@ -36,7 +36,7 @@ from .codes import (
 )
 from .contact import elastic_energy, free_turn, size, turn_by
 from .neighbours import between_ends, gap_vector, near_end, too_fast
-from .pairs import NEARER, nearer, pair_forces, rise, seen_through
+from .pairs import NEARER, ends_of, nearer, pair_forces, rise, seen_through
 from .state import (
     Clock,
     director_of,
@@ -259,12 +259,13 @@ def march(effects, state, watchers, clock, steps):
 @kernel
 def of_plate(law, upper, half, place, director, plate):
     """Elastic energy of the caps of a rod in the plate; `plate`: its height, d."""
+    total = 0.0
     if law is None:
-        return 0.0
-    total = elastic_energy(law, plate + 0.5 - height(place) + half * height(director))
-    if upper is None:
         return total
-    return total + elastic_energy(law, plate + 0.5 - height(place) - half * height(director))
+    for cap in range(1 if upper is None else 2):
+        end = half if cap else -half
+        total += elastic_energy(law, plate + 0.5 - height(place) - end * height(director))
+    return total
 
 
 @kernel
@@ -303,11 +304,11 @@ def of_crossing(law, half, apart, a, b):
 @kernel
 def of_pair(law, upper, half, apart, a, b):
     """Elastic energy of all contacts of two rods."""
-    total = elastic_energy(law, 1.0 - sqrt(near_end(apart, a, b, half, 0).square))
+    total = 0.0
+    for end in range(ends_of(upper)):
+        total += elastic_energy(law, 1.0 - sqrt(near_end(apart, a, b, half, end).square))
     if upper is None:
         return total
-    for end in range(1, 4):
-        total += elastic_energy(law, 1.0 - sqrt(near_end(apart, a, b, half, end).square))
     for end in range(2):
         near = near_end(apart, a, b, half, end)
         r = gap_vector(apart, a, b, near.s, half if near.t > 0.0 else -half)

@@ -264,8 +264,7 @@ def rebuilt(n, listed, found, count):
     """Rebuild the list of n rods from the pairs `found`; entries keep their forces and springs."""
     old = listed.turn[0]
     new, start, index = 1 - old, listed.start, listed.index
-    for i in range(n + 1):
-        start[new, i] = 0
+    start[new] = 0
     for m in range(count):
         start[new, found[m, 0]] += 1
     total = 0

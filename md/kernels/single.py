@@ -45,22 +45,10 @@ class State(NamedTuple):
     direction: tuple[float, float]  # sin and cos of the tilt, turned along with it
     velocity: tuple[float, float, float]  # c_x, c_z in sqrt(g d), omega in sqrt(g/d)
     acceleration: tuple[float, float, float]  # at n - 1, in g and g/d
-    kept: tuple[tuple, tuple]  # fields of `Kept` of the lower (-) and the upper (+) cap
+    # fields of `Kept` of the lower (-) and the upper (+) cap, plain as all that leaves Numba
+    kept: tuple[tuple, tuple]
     higher: tuple | None  # derivatives i = 3, 4, 5 times dt^i/i!
     explicit: bool | None
-
-
-@kernel
-def known(kept):
-    """`Kept` of both caps, from plain tuples."""
-    (f, rub, spring), (g, other, second) = kept
-    return Kept(f, rub, spring), Kept(g, other, second)
-
-
-@kernel
-def bare(touch):
-    """Fields of a cap's `Kept` as a plain tuple: a state that leaves Numba is of plain tuples."""
-    return touch.kept.force, touch.kept.rub, touch.kept.spring
 
 
 @kernel
@@ -72,7 +60,8 @@ def accelerations(effects, state, at, half, now, step, dt):
     velocity, motion = (half[0], half[1]), ((now[0], now[1]), (now[2],))
     rod = Moving(at[0], at[1], velocity, (half[2],), state.explicit, motion)
     plate, others = plate_at(effects.plate, step), (field(effects, velocity), (0.0,))
-    (f, torque), lower, upper = plate_forces(effects, rod, known(state.kept), plate, others, dt)
+    kept = Kept(*state.kept[0]), Kept(*state.kept[1])
+    (f, torque), lower, upper = plate_forces(effects, rod, kept, plate, others, dt)
     return (f[0], f[1], effects.lightness * torque[0]), lower, upper
 
 
@@ -86,7 +75,7 @@ def leap(effects, state, step, dt):
     at = position[1], direction
     a, lower, upper = accelerations(effects, state, at, half, half, step, dt)
     velocity = along(half, dt, a)
-    kept = bare(lower), bare(upper)
+    kept = lower.kept[:], upper.kept[:]
     direction = turned(direction, velocity[2] * dt)
     following = along(position, dt, velocity)
     after = State(following, direction, velocity, a, kept, higher, explicit)
@@ -115,7 +104,7 @@ def gear(effects, state, higher, step, dt):
     change = along(times(dt * dt / 2, a), -1, r2)
     r0, velocity = along(r0, _C0, change), along(now, _C1 / dt, change)
     r3, r4, r5 = along(r3, _C3, change), along(r4, _C4, change), along(r5, _C5, change)
-    kept = bare(lower), bare(upper)
+    kept = lower.kept[:], upper.kept[:]
     direction = turned(direction, change[2] * _C0)
     state = State(r0, direction, velocity, a, kept, (r3, r4, r5), explicit)
     return state, velocity, lower, upper
@@ -130,13 +119,6 @@ def advance(effects, state, higher, step, dt):
 
 
 @kernel
-def plain(state):
-    """Fields of a state as a plain tuple: Numba would make a `State` by calling Python."""
-    position, direction, velocity, acceleration, kept, higher, explicit = state
-    return position, direction, velocity, acceleration, kept, higher, explicit
-
-
-@kernel
 def over(watch, effects, lower, upper, dt):
     """Add a step to the watched contact; return whether it is over."""
     return watched(watch, effects, seen(lower, (1.0, 0.0)), seen(upper, (1.0, 0.0)), dt)
@@ -146,20 +128,20 @@ def over(watch, effects, lower, upper, dt):
 def run(effects, state, first, steps, dt, watch):
     """Make up to `steps` steps from number `first` on; return state, steps made and stop code.
 
-    The state is a plain tuple of the fields of `State`. `watch` is an array to fill or `None`,
-    without which the end of a contact does not end the run.
+    The state is returned as a plain tuple: Numba would make a `State` by calling Python. `watch` is
+    an array to fill or `None`, without which the end of a contact does not end the run.
     """
     for n in range(steps):
         step = first + n
         good = state
         state, velocity, lower, upper = advance(effects, state, state.higher, step, dt)
         if not abs(velocity[0] + velocity[1] + velocity[2]) < 1e100:
-            return plain(good), n, NOT_FINITE
+            return good[:], n, NOT_FINITE
         if max(lower.overlap, upper.overlap) > DEEP:
-            return plain(good), n, TOO_DEEP
+            return good[:], n, TOO_DEEP
         if watch is not None and over(watch, effects, lower, upper, dt):
-            return plain(good), n, OPENED
-    return plain(state), steps, DONE
+            return good[:], n, OPENED
+    return state[:], steps, DONE
 
 
 def started(method: str, position: Any, velocity: Any, dt: float, fall: Any = ZERO) -> State:

@@ -50,7 +50,7 @@ PLATE = 13  # velocity of the plate at the touch
 APPROACH = 14  # normal velocity v_0 of the contact point relative to the plate, at the touch
 LEAVING = 15  # normal velocity of that point relative to the plate, as the force ends
 REGIME = 16  # SLIDING, SLIP_STICK or SLIP_REVERSAL of `codes`
-PUSHED = 17  # part of the steps in which another rod touched as well
+PUSHED = 17  # part of the steps in which another rod or a wall pushed as well
 DEEPEST = 18  # overlap, d
 WIDTH = 19
 _LEFT = 19  # step at which the last touch ended, beyond the columns of a row
@@ -230,8 +230,7 @@ def ended(record, effects, rods, i, plate, step):
         record.rows[n, c] = row[c]
     record.count[0] = n + 1
     row[_LEFT] = step
-    for c in range(WATCHED):
-        watch[c] = 0.0
+    watch[:] = 0.0
 
 
 @kernel
