@@ -56,17 +56,6 @@ SEED_GAP = 10**6  # between the seeds of starts
 MEASURED_PRICE = 3.0  # of a bias that is measured: longer steps besides, and its statistical error
 
 
-class History(NamedTuple):
-    """Drift and falls of one start, period by period."""
-
-    drift: np.ndarray  # sqrt(g d)
-    fell: np.ndarray  # number of rods that fell over
-
-    def part(self, first: int, last: int | None = None) -> "History":
-        """Periods `first` to `last`, the latter excluded."""
-        return History(self.drift[first:last], self.fell[first:last])
-
-
 class Interval(NamedTuple):
     """Mean drift of one or more starts behind their transients, with its interval, in sqrt(g d)."""
 
@@ -84,7 +73,7 @@ def slower(annulus: bool) -> int:
 
 
 def interval(
-    starts: list[History], confidence: float = CONFIDENCE, *, annulus: bool = False
+    starts: list[np.ndarray], confidence: float = CONFIDENCE, *, annulus: bool = False
 ) -> Interval:
     """Pool the drifts of independent starts behind their transients.
 
@@ -97,28 +86,30 @@ def interval(
 
     Parameters
     ----------
-    starts : at least one
+    starts : at least one, each (2, periods): drift in sqrt(g d) and number of falls, as of
+        `Run.history`
     confidence : of the interval
     annulus : whether the rods are in an annulus, which settles later, and where starts differ
         sooner
     """
     least, most = (slower(annulus) * cut for cut in CUT)
-    calm, rest = True, []
-    for one in starts:
-        n = len(one.drift)
+    calm, drifts, fell = True, [], 0
+    for drift, falls in starts:
+        n = len(drift)
         first = min(int(np.clip(transient(n), least, most)), n // 2)
-        cut = settled(first, one.drift, one.fell)
+        cut = settled(first, drift, falls)
         calm = calm and cut is not None
-        rest.append(one.part(n // 2 if cut is None else cut))
-    sizes = np.array([len(one.drift) for one in rest])
-    fell = int(sum(one.fell.sum() for one in rest))
+        cut = n // 2 if cut is None else cut
+        drifts.append(drift[cut:])
+        fell += int(falls[cut:].sum())
+    sizes = np.array([*map(len, drifts)])
     if sizes.min() < FEWEST:
-        mean = float(np.concatenate([one.drift for one in rest]).mean()) if sizes.sum() else nan
+        mean = float(np.concatenate(drifts).mean()) if sizes.sum() else nan
         return Interval(mean, inf, inf, nan, False, fell)
-    means = np.array([one.drift.mean() for one in rest])
-    errors = np.array([standard_error(one.drift) for one in rest])
+    means = np.array([drift.mean() for drift in drifts])
+    errors = np.array([*map(standard_error, drifts)])
     if fell or not calm:
-        halves = [np.array_split(one.drift, 2) for one in rest]
+        halves = [np.array_split(drift, 2) for drift in drifts]
         change = [abs(early.mean() - late.mean()) / 2 for early, late in halves]
         errors = np.hypot(errors, change)
     part = sizes / sizes.sum()
@@ -194,11 +185,11 @@ class _Goal:
         """Periods at the first look."""
         return FIRST_LOOK * slower(self.annulus)
 
-    def look(self, histories: list[History]) -> None:
+    def look(self, histories: list[np.ndarray]) -> None:
         """Estimate the drift from all starts."""
         find = partial(interval, confidence=self.confidence, annulus=self.annulus)
         fine, longer = histories[: self.starts], histories[self.starts :]
-        self.doubled, self.made = bool(longer), sum(len(one.drift) for one in histories)
+        self.doubled, self.made = bool(longer), sum(one.shape[1] for one in histories)
         self.found = measured(find(fine), find(longer)) if longer else allowed(find(fine))
 
     @property
@@ -211,13 +202,13 @@ class _Goal:
         """Whether the tolerance is kept, by starts that have settled."""
         return self.found.settled and self.found.error <= self.tolerance * self.size
 
-    def judge(self, histories: list[History], seconds: float) -> int:
+    def judge(self, histories: list[np.ndarray], seconds: float) -> int:
         """Judge whether the goal is over; return the periods of each start by the next look.
 
         Starts are judged by as many periods each.
         """
-        made = min(len(one.drift) for one in histories)
-        self.look([one.part(0, made) for one in histories])
+        made = min(one.shape[1] for one in histories)
+        self.look([one[:, :made] for one in histories])
         room = (self.tolerance * self.size) ** 2 - self.found.bias_error**2
         wanted = inf if room <= 0 else made * self.found.statistical**2 / room
         self.needed = wanted / made * seconds
@@ -254,7 +245,7 @@ def pursued(goal: _Goal, runs: list[Run]) -> Result:
         begin, periods = perf_counter(), goal.first
         while not goal.over:
             _together(runs, periods, lambda: pressed() or perf_counter() > goal.end)
-            histories = [History(*running.history()) for running in runs]
+            histories = [running.history() for running in runs]
             if pressed():
                 goal.look(histories)
                 break

@@ -24,6 +24,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from functools import cache, partial
 from pathlib import Path
+from pickle import UnpicklingError
 from typing import Any
 
 import numba
@@ -241,8 +242,9 @@ def _compiling(made: Any) -> Any:
         with deferred():
             try:
                 return usual(signature)
-            except OSError as error:
-                _warn_once(f"compiled kernels cannot be kept in {directory()}: {error.strerror}")
+            except (OSError, EOFError, UnpicklingError) as error:  # full, or damaged
+                why = getattr(error, "strerror", error)
+                _warn_once(f"compiled kernels cannot be kept in {directory()}: {why}")
                 made._cache = NullCache()
                 return usual(signature)
 

@@ -42,7 +42,7 @@ from .kernels.codes import (
 )
 from .kernels.contact import ContactForces
 from .kernels.march import Series, Watchers, energy, march
-from .kernels.neighbours import PAIR, nearest, nothing_listed
+from .kernels.neighbours import PAIR, nothing_listed
 from .kernels.state import Clock, Effects, Motion, Scratch, State, Wall
 from .kernels.touches import Record, new_record
 from .kernels.vectors import IN_SPACE
@@ -109,16 +109,15 @@ def step_of(scene: Scene) -> tuple[float, int]:
     dt = scene.step.size or min(whole / STEPS_PER_CONTACT, 0.9 * largest)
     if dt > largest:
         raise InputError(
-            f"step.size must be at most {0.995 * largest:.3g} sqrt(d/g), 1/{whole / largest:.1f} "
+            f"step.size must be at most {0.995 * largest:.3g} sqrt(d/g), {largest / whole:.2g} "
             f"of the contact time {whole:.3g}, to be stable; got {dt!r}"
             + ("" if scene.step.coarse else " (step.coarse allows more)")
         )
-    per = ceil(1 / (scene.frequency * dt) - 1e-9)
-    if per > _MOST_STEPS:
-        least = 1 / (scene.frequency * _MOST_STEPS)
+    if dt < (least := 1 / (scene.frequency * _MOST_STEPS)):
         asked = "the step that stiffness and plate.frequency_hz ask for"
         what = "step.size" if scene.step.size else asked
         raise InputError(f"{what} must be at least {least:.2g} sqrt(d/g), got {dt!r}")
+    per = ceil(1 / (scene.frequency * dt) - 1e-9)
     return 1 / (scene.frequency * per), per
 
 
@@ -220,23 +219,16 @@ class Engine:
     def _stopped(self, why: int, where: int) -> tuple[str, np.ndarray]:
         """Message that says what ended the run early, and a copy of the state."""
         at = f"at t = {self.step / self.per:.6g} periods (step {self.step} of {self.dt:g})"
-        state, half = self.rods.copy(), self.effects.half_length
-        place, director, velocity, turn = self._parts(state)
-        if why == PAIR_TOO_DEEP:
-            listed: Any = self.state.listed
-            i, j, image, _ = map(int, listed.index[listed.turn[0], where])
-            apart = place[i] - place[j]
-            apart[0] -= image * (self.effects.period or 0.0)
-            vectors = (tuple(v.tolist()) for v in (apart, director[i], director[j]))
-            deep = 1 - nearest(*vectors, half) ** 0.5
-            return f"rods {i} and {j}: overlap {deep:.3g} d with each other {at}", state
+        state, listed = self.rods.copy(), self.state.listed
+        if why == PAIR_TOO_DEEP and listed is not None:
+            i, j, *_ = listed.index[listed.turn[0], where]
+            return f"rods {i} and {j}: more than {DEEP} d deep in each other {at}", state
         if why == TOO_FAST:  # by upper bounds of the speeds of all points
-            speeds = np.linalg.norm(velocity, axis=1) + half * np.linalg.norm(turn, axis=1)
-            where = int(np.argmax(speeds))
-        deep = self.plate_height + 0.5 - place[where, -1] + half * abs(director[where, -1])
+            _, _, velocity, turn = (np.linalg.norm(part, axis=1) for part in self._parts(state))
+            where = int(np.argmax(velocity + self.effects.half_length * turn))
         what = {
             NOT_FINITE: "its state is not finite",
-            TOO_DEEP: f"overlap {deep:.3g} d with the plate",
+            TOO_DEEP: f"more than {DEEP} d deep in the plate",
             WALL_TOO_DEEP: f"more than {DEEP} d deep in a wall",
             TOO_FAST: f"moved more than {DEEP / 2} d in a step",
         }

@@ -432,10 +432,9 @@ def put(tables: Mapping, changes: Mapping[str, Any]) -> dict:
         for other in rivals(key):
             if other not in changes:
                 table.pop(other.partition(".")[2], None)
+        table[last] = value
         if value == "none":
-            table.pop(last, None)
-        else:
-            table[last] = value
+            del table[last]
     return changed
 
 

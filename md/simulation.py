@@ -11,7 +11,6 @@ from math import nan
 from pathlib import Path
 from time import perf_counter
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
 from tqdm import TqdmWarning
@@ -74,7 +73,7 @@ def _read(path: Path, scene: Scene) -> tuple[dict, dict[str, np.ndarray]]:
         other = [key for key, value in mine.items() if about.pop(key) != value]
     except OSError as error:
         raise InputError(f"checkpoint {path} cannot be read: {error}") from None
-    except (AttributeError, EOFError, KeyError, TypeError, ValueError, BadZipFile):
+    except Exception:
         raise InputError(f"checkpoint {path} cannot be read: not one, or cut short") from None
     if other:
         earlier = "an earlier version of md or other sources"
@@ -195,7 +194,7 @@ class Run:
                 if since < frames:  # the first step at or behind `number` parts of the period
                     now = engine.step / engine.per, engine.plate_height
                     with naming(trajectory.path):
-                        trajectory.write(engine.rods, *now, engine.effects.rolling)
+                        trajectory.write(engine.rods, *now, engine.effects.rolling or 0.0)
                 steps = min(steps, -(-(number + 1) * engine.per // frames) - engine.step)
             begin, before = perf_counter(), self.made
             engine.go(steps, self.tables.series)
@@ -211,9 +210,9 @@ class Run:
                 self.save()
                 saved = perf_counter()
 
-    def history(self) -> tuple[np.ndarray, np.ndarray]:
-        """Drift [sqrt(g d)] and number of falls of each period made."""
-        return self.tables.drift(self.made), self.tables.fell(self.made)
+    def history(self) -> np.ndarray:
+        """Drift [sqrt(g d)] and number of falls of each period made, (2, periods)."""
+        return np.array([self.tables.drift(self.made), self.tables.fell(self.made)])
 
     def _energy(self) -> dict[str, float] | None:
         """Balance of the energy, m g d; None without a ledger."""
@@ -226,11 +225,13 @@ class Run:
         return found | {"residual": work - sum(losses) - change}
 
     def result(self, finished: bool) -> Result:
-        """`Result` of the periods made; checkpoint and trajectory are written up to its end."""
-        self.save()
+        """`Result` of the periods made; checkpoint and trajectory are written up to its end.
+
+        Where these cannot be written, the error tells the result.
+        """
         engine, tables, periods = self.engine, self.tables, self.made
         c_x, tilt, cut = tables.drift(periods), tables.tilt_deg(periods), transient(periods)
-        return Result(
+        found = Result(
             scene=engine.scene,
             c_x=float(c_x[cut:].mean()) if periods else nan,
             c_x_stderr=tables.error(c_x[cut:]),
@@ -250,6 +251,11 @@ class Run:
             rods=engine.rods.copy(),
             finished=finished,
         )
+        try:
+            self.save()
+        except OSError as error:
+            raise OSError(f"{error}\n{found}") from None
+        return found
 
 
 def run(scene: Scene, *, periods: int = 200, **options: Any) -> Result:
@@ -281,7 +287,8 @@ def run(scene: Scene, *, periods: int = 200, **options: Any) -> Result:
     RunError
         If a state stops being finite, or a contact is deeper than d/2.
     OSError
-        If a file takes no more, as on a full disk; the last checkpoint stays.
+        If a file takes no more, as on a full disk; the last checkpoint stays. Where only the last
+        save failed, the error tells the result as text.
     """
     with Run(scene, periods, **options) as running, interruptible() as pressed:
         running.march(periods, pressed)

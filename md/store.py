@@ -109,7 +109,7 @@ class Store:
         """Turn errors of SQLite and JSON into a `StoreError` that says what could not be done."""
         try:
             yield
-        except (sqlite3.Error, json.JSONDecodeError) as error:
+        except (sqlite3.Error, json.JSONDecodeError, TypeError) as error:
             raise StoreError(f"store {self.path} {what}: {error}") from None
 
     def __enter__(self) -> "Store":

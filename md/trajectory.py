@@ -22,6 +22,7 @@ from .scene import Scene
 # Names that OVITO knows, but for tilt; Z = 0, no element, lets ASE read a species that is none.
 _COLUMNS = "species:S:1:pos:R:3:Z:I:1:id:I:1:orientation:R:4:aspherical_shape:R:3:velo:R:3"
 _COLUMNS += ":omega:R:3:tilt:R:1"
+_END = 1000  # bytes of the end of the last frame by which a checkpoint knows the file
 
 
 def checked(path: str | Path) -> Path:
@@ -65,8 +66,8 @@ class Trajectory:
         self.kept = 0  # bytes that the first frame follows
         self.file: BinaryIO | None = None
         if before is not None and not empty(path):
-            name, self.kept = before
-            if name != str(path) or path.stat().st_size < self.kept:
+            end, self.kept = before
+            if not end or end != _end(path, self.kept):
                 raise InputError(
                     f"trajectory {str(path)!r} does not hold the frames before the checkpoint: "
                     "name a new file, or remove the checkpoint to start again"
@@ -74,12 +75,11 @@ class Trajectory:
 
     @property
     def place(self) -> tuple[str, int]:
-        """Path of the file, and where its frames end, in bytes."""
-        return str(self.path), self.file.tell() if self.file else self.kept
+        """End of the last frame, which tells it from others, and where it ends, in bytes."""
+        size = self.file.tell() if self.file else self.kept
+        return _end(self.path, size) if size else "", size
 
-    def write(
-        self, rods: np.ndarray, time: float, height: float, rolling: float | None = None
-    ) -> None:
+    def write(self, rods: np.ndarray, time: float, height: float, rolling: float = 0.0) -> None:
         """Append a frame.
 
         Parameters
@@ -87,7 +87,7 @@ class Trajectory:
         rods : (N, 7), columns as in `kernels.codes`, or (N, 12) in an annulus
         time : periods since the start, at which the plate is at its lowest point
         height : of the plate, in d
-        rolling : as of `kernels.state.Effects`
+        rolling : as of `kernels.state.Effects`; 0: rods do not turn about their axes
 
         Lengths are in d, velocities in sqrt(g d); beside the time stand the plate's phase in rad, d
         in cm and sqrt(g d) in cm/s. Columns: species (rod); place x, y, z; 0 (no element); number;
@@ -100,7 +100,7 @@ class Trajectory:
             self.file = self.path.open("r+b")
             self.file.truncate(self.file.seek(self.kept))
         lines = [_head(self.scene, time, height)]
-        for i, (place, turn, velocity, omega, tilt) in enumerate(_in_space(rods, rolling or 0.0)):
+        for i, (place, turn, velocity, omega, tilt) in enumerate(_in_space(rods, rolling)):
             numbers = [*turn, 0.5, 0.5, self.scene.rods.length - 1, *velocity, *omega, tilt]
             lines.append(f"rod {_text(place)} 0 {i} {_text(numbers)}\n")
         self.file.write("".join(lines).encode())
@@ -115,6 +115,13 @@ class Trajectory:
         if self.file is not None:
             with suppress(OSError):
                 self.file.close()
+
+
+def _end(path: Path, size: int) -> str:
+    """Last bytes of the first `size` ones of a file."""
+    with path.open("rb") as file:
+        file.seek(max(size - _END, 0))
+        return file.read(min(size, _END)).decode(errors="replace")
 
 
 def _text(numbers: Iterable[float]) -> str:

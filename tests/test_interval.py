@@ -7,7 +7,6 @@ from scipy.special import ndtri
 from scipy.stats import t as student
 
 from md import accuracy
-from md.accuracy import History
 from md.measures import standard_error
 
 from .test_statistics import autoregressive
@@ -15,7 +14,7 @@ from .test_statistics import autoregressive
 
 def interval(series, *how, fell=0, **more):
     """Interval of starts with these drifts, whose rods fall over alike in each period."""
-    starts = [History(one, np.broadcast_to(fell, len(one)).astype(float)) for one in series]
+    starts = [np.array([one, np.broadcast_to(fell, len(one))]) for one in series]
     return accuracy.interval(starts, *how, **more)
 
 
@@ -117,7 +116,7 @@ def followed(starts, tolerance, confidence=0.95):
     goal = accuracy._Goal(tolerance, confidence, 0.0, 1e9, len(starts))
     periods = goal.first
     while not goal.over:
-        histories = [History(drift[:periods], np.zeros(periods)) for drift in starts]
+        histories = [np.array([drift[:periods], np.zeros(periods)]) for drift in starts]
         periods = goal.judge(histories, seconds=1.0)
     return goal
 

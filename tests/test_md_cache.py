@@ -6,6 +6,7 @@ import shutil
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
+from unittest.mock import Mock
 
 import numba
 import pytest
@@ -129,12 +130,19 @@ def test_without_a_folder_kernels_are_compiled_each_time(tmp_path, monkeypatch):
     assert "compiled kernels cannot be kept" in done.stderr
 
 
-def test_a_disk_that_fills_up_costs_no_more_than_compiling(monkeypatch):
-    """A full disk is told once, whatever else is compiled."""
-    monkeypatch.setattr(IndexDataCacheFile, "_save_index", FULL)
+@pytest.mark.parametrize(
+    ("what", "error", "why"),
+    [
+        ("_save_index", FULL, "No space left"),
+        ("_load_index", Mock(side_effect=EOFError("cut")), "cut"),
+    ],
+)
+def test_a_full_disk_or_a_damaged_file_costs_no_more_than_compiling(monkeypatch, what, error, why):
+    """It is told once, whatever else is compiled."""
+    monkeypatch.setattr(IndexDataCacheFile, what, error)
     double = cache.kernel(lambda x: 2 * x)
     cache._warn_once.cache_clear()
-    with pytest.warns(RuntimeWarning, match="kernels cannot be kept in .*: No space left") as told:
+    with pytest.warns(RuntimeWarning, match=f"kernels cannot be kept in .*: {why}") as told:
         assert (double(2.0), double(2)) == (4.0, 4)
     assert len(told) == 1
 
@@ -149,6 +157,8 @@ def test_folders_of_old_sources_are_removed_in_time(tmp_path, monkeypatch):
     folder = cache.directory.__wrapped__()
     assert folder.name == cache.digest_of_kernels()
     assert {*folder.parent.iterdir()} == {recent, folder}
+    monkeypatch.setattr(Path, "iterdir", lambda home: [home / "gone"])  # by another process
+    assert cache.directory.__wrapped__() == folder
 
 
 @pytest.mark.parametrize("compiler", [cache.kernel, partial(_jit.kernel, forceinline=True)])

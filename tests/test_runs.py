@@ -2,6 +2,8 @@
 
 import signal
 import sys
+from contextlib import nullcontext
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -30,6 +32,21 @@ def test_one_start_that_fails_ends_all(monkeypatch):
     with pytest.raises(md.RunError, match="no longer finite"):
         md.run(DRIVEN, tolerance=0.01)
     assert made[0] < 50_000
+
+
+def test_what_a_handler_raises_ends_all_starts(monkeypatch):
+    usual, made = Run.march, []
+    monkeypatch.setattr(accuracy, "FIRST_LOOK", 50_000)
+    monkeypatch.setattr(accuracy, "wait", Mock(side_effect=KeyboardInterrupt))
+    monkeypatch.setattr(Run, "march", lambda *a: (usual(*a), made.append(a[0].made)))
+    with pytest.raises(KeyboardInterrupt):
+        md.run(DRIVEN, tolerance=0.01)
+    assert max(made) < 50_000
+
+
+def test_ctrl_c_before_the_first_look_ends_a_run(monkeypatch):
+    monkeypatch.setattr(accuracy, "interruptible", lambda: nullcontext(lambda: True))
+    assert not md.run(DRIVEN, tolerance=0.05).finished
 
 
 def test_what_an_interrupted_run_does_not_know_is_not_told(monkeypatch):

@@ -173,6 +173,7 @@ def test_what_cannot_be_searched_is_refused(tmp_path, changes, message):
     [
         ("45,1,0.1,", "row 6, must have 3 numbers or empty cells, got 45, 1, 0.1, "),
         ("45,nan,0.1", "row 6, must have 3 numbers or empty cells, got 45, nan, 0.1"),
+        ("45,-nan,0.1", "row 6, must have 3 numbers or empty cells, got 45, -nan, 0.1"),
         ("45,inf,1", "row 6, c_x_cm_s must be finite, got inf"),
         ("45,1,", "row 6, error must be > 0 and finite, got nan"),
     ],

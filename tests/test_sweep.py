@@ -219,7 +219,7 @@ def test_a_run_that_fails_is_recorded_and_stops_no_other(tmp_path, path):
         assert (tally.computed, tally.failed) == done
     with Store(path, write=False) as store:
         (error,) = (row["error"] for row in store.rows() if row["error"])
-    assert "overlap" in error
+    assert "deep in the plate" in error
     assert list(np.isnan(sweep.gather(path, "c_x")[0])) == [True, False]
     with pytest.warns(RuntimeWarning, match="^1 of 2 runs are missing in .*a.db, or have failed$"):
         sweep.to_xarray(path, "c_x")

@@ -63,7 +63,7 @@ def test_the_bias_of_a_law_of_ones_own_is_measured():
 
 def interval(*runs, periods=None, **how):
     """Interval of the drift that runs have measured, as a run to a tolerance finds it."""
-    cut = [accuracy.History(r.c_x_series[:periods], r.fell_series[:periods]) for r in runs]
+    cut = [np.array([r.c_x_series[:periods], r.fell_series[:periods]]) for r in runs]
     return accuracy.interval(cut, **how)
 
 

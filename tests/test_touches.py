@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 import md
 from md.host import plate_motion, prepare
 from md.kernels import touches as columns
-from md.kernels.codes import C_X, C_Z, COSINE, OMEGA, ROW_VELOCITY, SINE, Z
+from md.kernels.codes import C_X, C_Z, COSINE, OMEGA, ROW_VELOCITY, SINE, WATCH_TOUCHED, Z
 from md.kernels.contact import Friction
 from md.measures import Tables, merged
 
@@ -18,6 +18,14 @@ LIVELY = "plate.acceleration=5"
 
 
 # Single touches
+
+
+def test_a_rod_that_touches_does_so_since_its_touch_began():
+    record = columns.new_record(3, 6)
+    record.watch[1:, WATCH_TOUCHED] = 1
+    record.open[:, columns._LEFT] = 990, np.nan, 993
+    record.open[:, columns.STEP] = 980, 5, 995
+    assert columns.since_touch(record, 1000).tolist() == [10, 995, 5]
 
 
 def test_touches_are_those_that_every_step_shows():

@@ -1,6 +1,7 @@
 """Trajectories as other programs read them: columns by their names, rods as spherocylinders."""
 
 import re
+from functools import partial
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from md import simulation, trajectory
 from md.__main__ import main
 from md.host import prepare
 
-from .rows import ring, row, vectors
+from .rows import ROLLING, ring, row, vectors
 
 
 def parsed(path):
@@ -33,12 +34,15 @@ def parsed(path):
     return frames
 
 
-@pytest.fixture(params=[row, ring])
+@pytest.fixture(params=[row, ring, pytest.param(partial(ring, *ROLLING), marks=pytest.mark.slow)])
 def written(request, tmp_path):
     """A scene, the state of its rods after a period, and the file of its run."""
     scene, path = request.param(), tmp_path / "a.xyz"
     md.run(scene, periods=2, trajectory=path)
-    return scene, vectors(prepare(scene), md.run(scene, periods=1).rods), path
+    engine = prepare(scene)
+    place, director, velocity, omega = vectors(engine, md.run(scene, periods=1).rods)
+    omega += (engine.effects.rolling or 0) * np.vecdot(omega, director)[:, None] * director
+    return scene, (place, director, velocity, omega), path
 
 
 def test_columns_say_where_each_rod_is_and_what_it_looks_like(written):
@@ -97,8 +101,8 @@ def test_frames_go_on_or_the_run_does_not(tmp_path, monkeypatch):
     (later := tmp_path / "later.npz").write_bytes(kept.read_bytes())
     md.run(row(), periods=3, checkpoint=later)
     monkeypatch.setattr(simulation, "prepare", pytest.fail)
-    cases = (new, new.read_text(), kept), (path, whole[:-1], kept), (path, whole, later)
-    for file, text, checkpoint in cases:
+    others = (path, whole[:-1], kept), (path, whole[:-2] + "5\n", kept), (path, whole, later)
+    for file, text, checkpoint in ((new, new.read_text(), kept), *others):
         file.write_text(text)
         with pytest.raises(md.InputError, match="frames before the checkpoint: name a new file"):
             md.run(row(), periods=4, trajectory=file, checkpoint=checkpoint)

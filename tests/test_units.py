@@ -70,6 +70,8 @@ def test_what_comes_later_takes_the_place():
     found = md.load("my_rods", ["plate.velocity_cm_s=8", "rods.diameter_cm=0.5"])
     assert found.plate.acceleration == pytest.approx(8 * 120 * pi / 981)
     assert found.rods.length == 5.08 / 0.5
+    found = md.load("my_rods", ["plate.acceleration=none", "gravity=none", "gravity.x=none"])
+    assert (found.plate, found.gravity) == (md.Plate(), None)
 
 
 # Runs

@@ -26,8 +26,8 @@ from md.sweep import Point, Sweep
 from ..lib.runs import ROW, computed, gathered, measured_by
 from ..lib.style import BLACK, BLUE, GREEN, RED, Data, Look, log_log, note, painted, shades, style
 from ..lib.timing import seconds_per_period
+from .accuracy_cost_impact import PAPER_STEP
 
-PAPER_STEP = 2e-5  # sqrt(d/g)
 PER_CONTACT = (16, 20, 26, 40, 80)  # and the paper's
 FINE = 30  # steps a contact from which on runs are taken as the truth
 CUT = 100  # periods at the start

@@ -91,7 +91,7 @@ def record(scene: md.Scene, periods: int = 20, frames: int = 8, progress: bool =
     for step in tqdm(steps.tolist(), unit=" shots", delay=2, disable=None if progress else True):
         onward(engine, step - engine.step, series)
         states.append(_rolled_out(scene, engine.rods) if scene.annulus else _in_plane(engine.rods))
-        plate.append(engine.plate.height[step % engine.per] if scene.vibrates else 0.0)
+        plate.append(engine.plate_height)
     x, z, tilt = np.moveaxis(states, 1, 0)
     if scene.annulus:  # azimuths jump once around
         x = np.unwrap(x, axis=0, period=2 * np.pi * scene.annulus.middle)

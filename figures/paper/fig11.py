@@ -37,7 +37,7 @@ def data(quick: bool = False, friction: float = 0.3, restitution: float = 0.65) 
     moves = drift(rod, friction=friction, restitution=restitution)
     sticking = drift(rod, friction=np.inf, restitution=restitution)
     # `drift` never leaves the branch that holds; this one is followed beyond its range.
-    with np.errstate(divide="ignore", invalid="ignore"):  # without losses, upright
+    with np.errstate(all="ignore"):  # without losses, upright; beyond all friction
         reversing = function("29")(phi=tilt, mu=friction, epsilon=restitution, V_z=1.0)
     return {
         "friction": friction,

@@ -13,7 +13,7 @@ import numpy as np
 from ..cache import kernel
 from .contact import Inertia, Meeting, contact, losses
 from .state import Kept, keep, kept_of
-from .vectors import add, along, dot, spread, times, torque
+from .vectors import add, along, dot, nothing_across, spread, times, torque
 
 SIZE = 64  # contacts; fixed, so that the compiler knows how far apart numbers lie
 MOST = SIZE - 8  # contacts collected at most before the next pair or rod is looked at
@@ -87,9 +87,11 @@ def fill(numbers, what, c, value):
 
 
 @kernel
-def get_vector(numbers, what, c, up):
-    """Vector of contact c, from number `what` on."""
-    if len(up) == 2:
+def get_vector(numbers, what, c, like):
+    """Vector of contact c, from number `what` on; as many components as `like`."""
+    if len(like) == 1:
+        return (get(numbers, what, c),)
+    if len(like) == 2:
         return get(numbers, what, c), get(numbers, what + 1, c)
     return get(numbers, what, c), get(numbers, what + 1, c), get(numbers, what + 2, c)
 
@@ -97,9 +99,7 @@ def get_vector(numbers, what, c, up):
 @kernel
 def get_axial(numbers, what, c, up):
     """Torque or tangential part of contact c, from number `what` on: 1 or 3 numbers."""
-    if len(up) == 2:
-        return (get(numbers, what, c),)
-    return get(numbers, what, c), get(numbers, what + 1, c), get(numbers, what + 2, c)
+    return get_vector(numbers, what, c, nothing_across(up))
 
 
 @kernel

@@ -154,19 +154,18 @@ def on_plate(normal, effects, state, watchers, i, plate, clock):
         return False
     velocity, turn, dims = velocity_of(up, rods, i), turn_of(up, rods, i), len(up)
     others = vector(total, i, 0, up), axial(total, i, dims, up)
-    lower_slot, upper_slot = PLATE_CAPS, PLATE_CAPS + 1
-    kept = kept_of(up, forces, springs, i, lower_slot), kept_of(up, forces, springs, i, upper_slot)
+    lower, upper = PLATE_CAPS, PLATE_CAPS + 1
+    kept = kept_of(up, forces, springs, i, lower), kept_of(up, forces, springs, i, upper)
     rod = Moving(z, director, velocity, turn, None, (velocity, turn))
-    (force, torque), lower, upper = plate_forces(effects, rod, kept, plate, others, clock.dt)
+    (force, torque), caps = plate_forces(effects, rod, kept, plate, others, clock.dt)
     put(total, i, 0, force)
     put(total, i, dims, torque)
-    keep(forces, springs, i, lower_slot, lower.kept)
-    keep(forces, springs, i, upper_slot, upper.kept)
-    accounted(watchers.ledger, lower, plate, clock.dt)
-    accounted(watchers.ledger, upper, plate, clock.dt)
+    for cap in range(2):
+        keep(forces, springs, i, PLATE_CAPS + cap, caps[cap].kept)
+        accounted(watchers.ledger, caps[cap], plate, clock.dt)
     pushed = others[0] != field(effects, velocity)
-    recorded(watchers.record, effects, rods, i, pushed, (lower, upper), plate, clock)
-    return not max(lower.overlap, upper.overlap) <= DEEP
+    recorded(watchers.record, effects, rods, i, pushed, caps, plate, clock)
+    return not max(caps[0].overlap, caps[1].overlap) <= DEEP
 
 
 # The step

@@ -61,7 +61,7 @@ def accelerations(effects, state, at, half, now, step, dt):
     rod = Moving(at[0], at[1], velocity, (half[2],), state.explicit, motion)
     plate, others = plate_at(effects.plate, step), (field(effects, velocity), (0.0,))
     kept = Kept(*state.kept[0]), Kept(*state.kept[1])
-    (f, torque), lower, upper = plate_forces(effects, rod, kept, plate, others, dt)
+    (f, torque), (lower, upper) = plate_forces(effects, rod, kept, plate, others, dt)
     return (f[0], f[1], effects.lightness * torque[0]), lower, upper
 
 

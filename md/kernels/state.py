@@ -15,7 +15,7 @@ import numpy as np
 from ..cache import kernel
 from .contact import ContactForces, Friction, Inertia, Normal, swung
 from .neighbours import Listed
-from .vectors import IN_PLANE, along, axial, nothing, put, raised, vector
+from .vectors import IN_PLANE, along, axial, nothing, nothing_across, put, raised, vector
 
 
 class Motion(NamedTuple):
@@ -162,14 +162,6 @@ def kept_part(up, array, row, slot, first):
     if array is None:
         return nothing_across(up)
     return axial(array[row], slot, first, up)
-
-
-@kernel
-def nothing_across(up):
-    """Zero tangential part: one number in the plane, three in space."""
-    if len(up) == 2:
-        return (0.0,)
-    return 0.0, 0.0, 0.0
 
 
 @kernel

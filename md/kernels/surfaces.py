@@ -149,7 +149,7 @@ def pressed(effects, rod, touch, plate, forces, dt):
 
 @kernel
 def plate_forces(effects, rod, kept, plate, others, dt):
-    """Force and torque on a rod by everything, and the `Touch` of its lower (-) and upper (+) cap.
+    """Force and torque on a rod by everything, and both `Touch`es: lower (-) and upper (+) cap.
 
     `kept`: of both caps, `plate`: height and velocity of the plate, `others`: force and torque by
     all but the plate. The lower cap sees the upper one's last force, the upper one the lower one's
@@ -159,7 +159,7 @@ def plate_forces(effects, rod, kept, plate, others, dt):
     upper = facing_above(effects.upper, effects, rod, plate, kept[1])
     lower = pressed(effects, rod, lower, plate, both(others, lower, upper), dt)
     upper = pressed(effects, rod, upper, plate, both(others, lower, upper), dt)
-    return both(others, lower, upper), lower, upper
+    return both(others, lower, upper), (lower, upper)
 
 
 @kernel

@@ -114,6 +114,12 @@ def nothing(v):
 
 
 @kernel
+def nothing_across(up):
+    """Zero tangential part: one number in the plane, three in space."""
+    return nothing(across(up, up))
+
+
+@kernel
 def turned(director, angle):
     """Director (sin, cos) after a small turn, kept at length one; error below angle^7/5000."""
     sine, cosine = director
@@ -143,9 +149,11 @@ def rotated(director, turn, dt):
 
 
 @kernel
-def vector(array, i, first, up):
-    """Vector in row i of an array from column `first` on; as many components as `up`."""
-    if len(up) == 2:
+def vector(array, i, first, like):
+    """Vector in row i of an array from column `first` on; as many components as `like`."""
+    if len(like) == 1:
+        return (array[i, first],)
+    if len(like) == 2:
         return array[i, first], array[i, first + 1]
     return array[i, first], array[i, first + 1], array[i, first + 2]
 
@@ -153,9 +161,7 @@ def vector(array, i, first, up):
 @kernel
 def axial(array, i, first, up):
     """Torque, angular velocity or tangential part in row i from column `first`: 1 or 3 numbers."""
-    if len(up) == 2:
-        return (array[i, first],)
-    return array[i, first], array[i, first + 1], array[i, first + 2]
+    return vector(array, i, first, nothing_across(up))
 
 
 @kernel
