@@ -72,7 +72,7 @@ class Result:
 
     scene : scene of the run
     c_x, tilt_deg : means over rods and over the periods behind the transient; in an annulus c_x is
-        the velocity around it at its middle radius
+        the velocity around it at its middle radius, and tilts have no sign
     c_x_stderr, tilt_stderr_deg : their standard errors, as `measures.standard_error`; nan where
         one run cannot tell: below 124 periods, and in an annulus, where starts differ
     periods : number of periods that were made

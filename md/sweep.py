@@ -503,7 +503,8 @@ def _backend(scheduler: str | None) -> Iterator[None]:
         except (Exception, KeyboardInterrupt) as error:
             gone = client.status != "running"
             if gone or type(error).__module__.startswith("distributed"):
-                why = "is gone" if gone else f"failed ({str(error).splitlines()[0]})"
+                said, *_ = f"{error}\n".splitlines()
+                why = "is gone" if gone else f"failed ({said})"
                 kept = "what was finished is kept"
                 raise RunError(f"the scheduler {scheduler} {why}; {kept}") from None
             raise

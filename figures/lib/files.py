@@ -47,7 +47,7 @@ def ready(out: Path, *names: str, store: Path | None = None, option: str = "out"
             if path.exists():
                 writable(option, path, _replaceable, f"a {path.suffix} file made here")
     except OSError as error:
-        raise InputError(f"{option} must be a folder that takes files: {error}") from None
+        raise InputError(f"{option} must lead to a folder that takes files: {error}") from None
     return paths
 
 
