@@ -503,8 +503,7 @@ def _backend(scheduler: str | None) -> Iterator[None]:
         except (Exception, KeyboardInterrupt) as error:
             gone = client.status != "running"
             if gone or type(error).__module__.startswith("distributed"):
-                said, *_ = f"{error}\n".splitlines()
-                why = "is gone" if gone else f"failed ({said})"
+                why = "is gone" if gone else f"failed ({error!r})"
                 kept = "what was finished is kept"
                 raise RunError(f"the scheduler {scheduler} {why}; {kept}") from None
             raise
