@@ -503,7 +503,7 @@ def _backend(scheduler: str | None) -> Iterator[None]:
         except (Exception, KeyboardInterrupt) as error:
             gone = client.status != "running"
             if gone or type(error).__module__.startswith("distributed"):
-                why = "is gone" if gone else f"failed ({error!r})"
+                why = "is gone" if gone else f"failed ({' '.join(str(error).split())})"
                 kept = "what was finished is kept"
                 raise RunError(f"the scheduler {scheduler} {why}; {kept}") from None
             raise
