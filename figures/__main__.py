@@ -120,8 +120,8 @@ def draw(
     check(names)
     own = {key: value for key, value in given.items() if value is not None}
     for key, value in own.items():
-        if key != "scene" and not value >= 0:
-            raise InputError(f"{key} must be >= 0, got {value:g}")
+        if value != value or (key == "friction" and value < 0):
+            raise InputError(f"{key} must be a number >= 0, got {value:g}")
         if data:
             raise InputError(f"{key} has no meaning with --data, which computes nothing")
         takes = [name for name, entry in FIGURES.items() if key in entry.own]

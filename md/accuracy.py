@@ -226,9 +226,11 @@ def _together(runs: list[Run], periods: int, stop: Callable[[], bool]) -> None:
     """March all runs until each has made `periods`, each in its thread; one that fails ends all."""
     ended = Event()
     with ThreadPoolExecutor(len(runs)) as pool:
-        until = periods, lambda: ended.is_set() or stop()
-        marches = [pool.submit(running.march, *until) for running in runs]
         try:
+            marches = [
+                pool.submit(running.march, periods, lambda: ended.is_set() or stop())
+                for running in runs
+            ]
             wait(marches, return_when=FIRST_EXCEPTION)
         finally:  # also by an exception in this thread, which a handler of a signal has raised
             ended.set()

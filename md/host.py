@@ -283,7 +283,7 @@ def _rods_in_row(scene: Scene, lowest: float) -> np.ndarray:
 
 def _rods_in_annulus(scene: Scene, gap: Annulus, lowest: float) -> np.ndarray:
     """State of the rods in an annulus at their start, without a mean velocity around it."""
-    n, tilt = scene.rods.count, None if scene.start.tilt_deg is None else abs(scene.tilt)
+    n, tilt = scene.rods.count, None if scene.start.tilt_deg is None else scene.tilt
     rods = np.zeros((n, SPACE_COLUMNS))
     rods[:, :VELOCITY] = placed(gap, n, scene.rods.length, tilt=tilt, seed=scene.start.seed)
     if scene.tilt < 0:

@@ -50,7 +50,8 @@ def placed(
     ----------
     gap, length : as of `largest_tilt`
     count : of rods
-    tilt : to begin with, in radians; None: the one at which a zig-zag of rods fills the circle
+    tilt : to begin with, in radians, of either sign; None: the one at which a zig-zag of rods fills
+        the circle
     seed : of small random turns
 
     Returns
@@ -60,14 +61,14 @@ def placed(
     Raises
     ------
     ValueError
-        If the rods cannot be placed, or lean otherwise than asked for by 2 degrees.
+        If the rods cannot be placed, or lean otherwise than asked for by 2 degrees on average.
     """
     radii = f"{gap.inner:g} and {gap.outer:g}"
     refused = f"rods.count {count} do not fit into the annulus of radii {radii}"
     if count > (fit := _most_upright(gap)):
         raise InputError(f"{refused}: at most {fit} do, upright")
     half, most = (length - 1) / 2, largest_tilt(gap, length)
-    lean = min(_filling(gap, count, half, most) if tilt is None else tilt, 0.98 * most)
+    lean = min(_filling(gap, count, half, most) if tilt is None else abs(tilt), 0.98 * most)
     parts = (1.0, 0.97, 0.93, 0.85, 0.7, 0.4, 0.0)  # of the tilt: rods that do not fit are raised
     for part in tqdm(parts, "placing rods", unit="try", leave=False, delay=2, disable=None):
         rods = _zigzag(gap, count, half, part * lean, np.random.default_rng(seed))

@@ -92,9 +92,9 @@ class Annulus(Part):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not self.outer - self.inner >= _NARROWEST:
-            least = f"{_NARROWEST} beyond annulus.inner, {self.inner + _NARROWEST:.9g}"
-            raise InputError(f"annulus.outer must be at least {least}, got {self.outer:.9g}")
+        if not self.outer - self.inner >= _NARROWEST - GAP:  # GAP: rounding
+            least = f"{_NARROWEST} beyond annulus.inner, {self.inner + _NARROWEST:.12g}"
+            raise InputError(f"annulus.outer must be at least {least}, got {self.outer:.12g}")
 
     @property
     def middle(self) -> float:
@@ -424,9 +424,10 @@ def put(tables: Mapping, changes: Mapping[str, Any]) -> dict:
     for key, value in changes.items():
         table = changed
         *path, last = key.split(".")
+        if value == "none" and {*path[:1]} & hints(Scene).keys() - changed.keys():
+            continue  # it makes no part to take something out of it
         for part in path:
-            # what is to be removed from a part that is not there makes no part
-            table = table.get(part, {}) if value == "none" else table.setdefault(part, {})
+            table = table.setdefault(part, {})
             if not isinstance(table, dict):
                 raise InputError(f"--set {key}: {part} is a value, not a table")
         for other in rivals(key):

@@ -63,11 +63,14 @@ class Trajectory:
         self, path: Path, scene: Scene, per_period: int, before: tuple[str, int] | None = None
     ):
         self.path, self.scene, self.per_period = path, scene, per_period
-        self.kept = 0  # bytes that the first frame follows
+        self.end, self.kept = "", 0  # end of the last frame, bytes that the first one follows
         self.file: BinaryIO | None = None
         if before is not None and not empty(path):
-            end, self.kept = before
-            if not end or end != _end(path, self.kept):
+            self.end, self.kept = before
+            with path.open("rb") as file:
+                file.seek(self.kept - len(self.end))
+                found = file.read(len(self.end)).decode(errors="replace")
+            if not found or found != self.end:
                 raise InputError(
                     f"trajectory {str(path)!r} does not hold the frames before the checkpoint: "
                     "name a new file, or remove the checkpoint to start again"
@@ -76,8 +79,7 @@ class Trajectory:
     @property
     def place(self) -> tuple[str, int]:
         """End of the last frame, which tells it from others, and where it ends, in bytes."""
-        size = self.file.tell() if self.file else self.kept
-        return _end(self.path, size) if size else "", size
+        return self.end, self.file.tell() if self.file else self.kept
 
     def write(self, rods: np.ndarray, time: float, height: float, rolling: float = 0.0) -> None:
         """Append a frame.
@@ -104,6 +106,7 @@ class Trajectory:
             numbers = [*turn, 0.5, 0.5, self.scene.rods.length - 1, *velocity, *omega, tilt]
             lines.append(f"rod {_text(place)} 0 {i} {_text(numbers)}\n")
         self.file.write("".join(lines).encode())
+        self.end = "".join(lines)[-_END:]
 
     def flush(self) -> None:
         """Hand all frames to the operating system."""
@@ -115,13 +118,6 @@ class Trajectory:
         if self.file is not None:
             with suppress(OSError):
                 self.file.close()
-
-
-def _end(path: Path, size: int) -> str:
-    """Last bytes of the first `size` ones of a file."""
-    with path.open("rb") as file:
-        file.seek(max(size - _END, 0))
-        return file.read(min(size, _END)).decode(errors="replace")
 
 
 def _text(numbers: Iterable[float]) -> str:

@@ -131,18 +131,17 @@ def test_without_a_folder_kernels_are_compiled_each_time(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("what", "error", "why"),
-    [
-        ("_save_index", FULL, "No space left"),
-        ("_load_index", Mock(side_effect=EOFError("cut")), "cut"),
-    ],
+    ("what", "error"),
+    [("_save_index", FULL), ("_load_index", Mock(side_effect=EOFError("cut")))],
 )
-def test_a_full_disk_or_a_damaged_file_costs_no_more_than_compiling(monkeypatch, what, error, why):
+def test_a_full_disk_or_a_damaged_file_costs_no_more_than_compiling(monkeypatch, what, error):
     """It is told once, whatever else is compiled."""
     monkeypatch.setattr(IndexDataCacheFile, what, error)
     double = cache.kernel(lambda x: 2 * x)
     cache._warn_once.cache_clear()
-    with pytest.warns(RuntimeWarning, match=f"kernels cannot be kept in .*: {why}") as told:
+    with pytest.warns(
+        RuntimeWarning, match="kernels cannot be kept in .*: (No space left|cut)"
+    ) as told:
         assert (double(2.0), double(2)) == (4.0, 4)
     assert len(told) == 1
 

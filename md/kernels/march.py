@@ -154,8 +154,10 @@ def on_plate(normal, effects, state, watchers, i, plate, clock):
         return False
     velocity, turn, dims = velocity_of(up, rods, i), turn_of(up, rods, i), len(up)
     others = vector(total, i, 0, up), axial(total, i, dims, up)
-    lower, upper = PLATE_CAPS, PLATE_CAPS + 1
-    kept = kept_of(up, forces, springs, i, lower), kept_of(up, forces, springs, i, upper)
+    kept = (
+        kept_of(up, forces, springs, i, PLATE_CAPS),
+        kept_of(up, forces, springs, i, PLATE_CAPS + 1),
+    )
     rod = Moving(z, director, velocity, turn, None, (velocity, turn))
     (force, torque), caps = plate_forces(effects, rod, kept, plate, others, clock.dt)
     put(total, i, 0, force)
