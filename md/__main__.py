@@ -362,7 +362,7 @@ def search(search: str, store: str, as_json: bool, **how: Any) -> None:
 @click.argument("store")
 @click.option("--csv", metavar="OUT", help="Write all columns to a file, in both units.")
 def results(store: str, csv: str | None) -> None:
-    """Table of a store: a line a run, with what differs between their scenes.
+    """Table of a store: a line a run, with what differs.
 
     STORE is the SQLite file of a sweep.
 
