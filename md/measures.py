@@ -55,8 +55,7 @@ def quantities(rows: np.ndarray, per: int, speed: float) -> dict[str, Any]:
     return {
         "count": np.ones(len(rows)),
         "plate_velocity": plate,  # V_z/V_0
-        **dict(zip(BEFORE, rows[:, columns.BEFORE : columns.AFTER].T, strict=True)),
-        **dict(zip(AFTER, rows[:, columns.AFTER : columns.PLATE].T, strict=True)),
+        **dict(zip(VELOCITIES, rows[:, columns.BEFORE : columns.PLATE].T, strict=True)),
         "flight_periods": rows[:, columns.FLIGHT] / per,
         "falling": plate < 0,  # while the plate falls
         "touches": rows[:, _MERGED],
@@ -71,10 +70,9 @@ def quantities(rows: np.ndarray, per: int, speed: float) -> dict[str, Any]:
     }
 
 
-BEFORE = [f"{name}_before" for name in ("c_x", "c_z", "omega")]
-AFTER = [f"{name}_after" for name in ("c_x", "c_z", "omega")]
+VELOCITIES = [f"{name}_{at}" for at in ("before", "after") for name in ("c_x", "c_z", "omega")]
 SUMS = tuple(quantities(np.zeros((0, _MERGED + 1)), 1, 1.0))
-_BOTH = "plate_velocity", *BEFORE, *AFTER, "flight_periods", "falling"
+_BOTH = "plate_velocity", *VELOCITIES, "flight_periods", "falling"
 _OF_TOUCHES = "contact_periods", "slide", "slip_stick", "slip_reversal", "pushed_by_others"
 # Means as quotients of two sums, by name; the second is the number of touches or landings if
 # nothing else is said.

@@ -57,7 +57,7 @@ import numpy as np
 
 from .kernels import touches as columns
 from .kernels.codes import REGIMES
-from .measures import AFTER, BEFORE, HOP, merged, phase_at
+from .measures import HOP, VELOCITIES, merged, phase_at
 from .result import Result
 from .units import labelled
 
@@ -73,8 +73,7 @@ _BOTH = {  # columns of `kernels.touches` by their names here
     "flight": columns.FLIGHT,
     "a_x": columns.A_X,
     "a_z": columns.A_Z,
-    **{name: columns.BEFORE + i for i, name in enumerate(BEFORE)},
-    **{name: columns.AFTER + i for i, name in enumerate(AFTER)},
+    **dict(zip(VELOCITIES, range(columns.BEFORE, columns.PLATE), strict=True)),
     "plate_velocity": columns.PLATE,
     "v_before": columns.APPROACH,
 }
