@@ -291,7 +291,7 @@ def _rods_in_annulus(scene: Scene, gap: Annulus, lowest: float) -> np.ndarray:
     rods[:, PLACE + 2] += lowest + GAP + scene.start.drop
     random = np.random.default_rng(scene.start.seed)
     rods[:, VELOCITY:TURN] = scene.start.speed * random.uniform(-1, 1, (n, 3))
-    around = np.column_stack([-rods[:, PLACE + 1], rods[:, PLACE], np.zeros(n)])
+    around = np.cross(IN_SPACE, rods[:, PLACE:DIRECTOR])
     around /= np.linalg.norm(around, axis=1, keepdims=True)  # unit vectors
     mean = (rods[:, VELOCITY:TURN] * around).sum(axis=1).mean()
     rods[:, VELOCITY:TURN] -= mean * around
