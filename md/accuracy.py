@@ -50,7 +50,7 @@ FIRST_LOOK = 320  # periods
 GROWTH = 1.1, 2.0  # least and largest, of the starts from one look to the next
 UNSETTLED = 1.5  # growth of starts from one look to the next while they have not settled
 CUT = 150, 400  # least and most periods that are left out at the start, of a fifth, if settled
-SLOWER = 2  # an annulus settles so many times slower than a row
+SLOWER = 1, 2  # factors by which rods of a row, and of an annulus, settle slower than in a row
 PER_FREEDOM = 30  # periods that tell as much of a standard error as one independent number
 SEED_GAP = 10**6  # between the seeds of starts
 MEASURED_PRICE = 3.0  # of a bias that is measured: longer steps besides, and its statistical error
@@ -65,11 +65,6 @@ class Interval(NamedTuple):
     chance: float  # that starts differ as they do, if they are in one state; nan: of one start
     settled: bool  # whether no start trends any longer, in its drift or in the rate of its falls
     fell: int  # rods that fell over behind the transients
-
-
-def slower(annulus: bool) -> int:
-    """Factor by which rods settle slower than in a row: `SLOWER` in an annulus, else 1."""
-    return SLOWER if annulus else 1
 
 
 def interval(
@@ -92,7 +87,7 @@ def interval(
     annulus : whether the rods are in an annulus, which settles later, and where starts differ
         sooner
     """
-    least, most = (slower(annulus) * cut for cut in CUT)
+    least, most = (SLOWER[annulus] * cut for cut in CUT)
     calm, drifts, fell = True, [], 0
     for drift, falls in starts:
         n = len(drift)
@@ -183,7 +178,7 @@ class _Goal:
     @property
     def first(self) -> int:
         """Periods at the first look."""
-        return FIRST_LOOK * slower(self.annulus)
+        return FIRST_LOOK * SLOWER[self.annulus]
 
     def look(self, histories: list[np.ndarray]) -> None:
         """Estimate the drift from all starts."""
