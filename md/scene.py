@@ -27,8 +27,13 @@ SCENES = Path(__file__).parent / "scenes"
 _NARROWEST = 1.0001  # d; gap of an annulus in which rods can be placed
 GAP = 1e-6  # d, between rods and over the plate at the start: if they touched, rounding would push
 _Angle = Annotated[float, -90.0, 90.0]
-_NEEDS = {"plate": "contacts.plate", "annulus": "contacts.wall"}  # each the other
-_NEEDS |= {other: one for one, other in _NEEDS.items()} | {"rods.rolling": "annulus"}
+_NEEDS = {
+    "plate": "contacts.plate",
+    "annulus": "contacts.wall",
+    "contacts.plate": "plate",
+    "contacts.wall": "annulus",
+    "rods.rolling": "annulus",
+}
 
 
 @dataclass(frozen=True)
