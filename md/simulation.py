@@ -6,7 +6,7 @@ import sys
 import threading
 import warnings
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from math import nan
 from pathlib import Path
 from time import perf_counter
@@ -48,14 +48,12 @@ def interruptible() -> Iterator[Callable[[], bool]]:
     """
     pressed, usual = threading.Event(), signal.default_int_handler
     main = threading.current_thread() is threading.main_thread()
-    taken = [n for n in SIGNALS if main and signal.getsignal(n) is usual]
-    try:
-        for number in taken:
-            signal.signal(number, lambda *_: pressed.set())
+    with ExitStack() as stack:
+        for number in SIGNALS:
+            if main and signal.getsignal(number) is usual:
+                stack.callback(signal.signal, number, usual)
+                signal.signal(number, lambda *_: pressed.set())
         yield pressed.is_set
-    finally:
-        for number in taken:
-            signal.signal(number, usual)
 
 
 def _names(scene: Scene) -> dict[str, str]:
@@ -172,9 +170,13 @@ class Run:
                 self.trajectory.flush()
         if self.checkpoint is None:
             return
-        about: dict[str, Any] = {"step": self.engine.step, "energy": self.energy}
-        about |= {"seconds": self.seconds, **_names(self.engine.scene)}
-        about["trajectory"] = self.trajectory.place if self.trajectory is not None else ("", 0)
+        about = {
+            "step": self.engine.step,
+            "energy": self.energy,
+            "seconds": self.seconds,
+            "trajectory": self.trajectory.place if self.trajectory is not None else ("", 0),
+            **_names(self.engine.scene),
+        }
         arrays: dict[str, Any] = self.tables.arrays(self.made) | self.engine.arrays()
         with (
             naming(self.checkpoint),
