@@ -41,9 +41,11 @@ _LEFT_OUT = {"annotation", "ctx", "kind", "returns", "type_comment", "type_param
 
 def read(folder: Path) -> dict[str, bytes]:
     """Read the sources of a package, by the names of its modules, as "kernels.contact"."""
-    paths = {path.relative_to(folder): path for path in sorted(folder.rglob("*.py"))}
-    names = {".".join(p.with_suffix("").parts).removesuffix(".__init__"): p for p in paths}
-    return {name: paths[p].read_bytes() for name, p in names.items()}
+    found = {}
+    for path in sorted(folder.rglob("*.py")):
+        parts = path.relative_to(folder).with_suffix("").parts
+        found[".".join(parts).removesuffix(".__init__")] = path.read_bytes()
+    return found
 
 
 SOURCES = read(Path(__file__).parent)  # what this process runs, whatever is edited meanwhile
