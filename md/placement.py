@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 from tqdm import tqdm
 
 from .domains import InputError
-from .kernels.codes import DIRECTOR, SPACE_COLUMNS, VELOCITY
+from .kernels.codes import DIRECTOR, VELOCITY
 from .scene import GAP, Annulus
 
 _ROOM = 1e-5  # d; gap to which overlapping rods are pushed apart
@@ -79,13 +79,13 @@ def placed(
     else:
         still = f"overlaps of {max(left, 0.0):.2g} d are left"
         raise InputError(f"{refused}: pushed apart as far as they go, {still}")
-    leans = degrees(np.arccos(np.abs(rods[:, VELOCITY - 1])).mean())
+    leans = degrees(np.arccos(np.abs(rods[:, -1])).mean())
     if tilt is not None and abs(leans - abs(degrees(tilt))) > _KEPT_DEG:
         raise InputError(
             f"start.tilt_deg must leave {count} rods room in the annulus of radii {radii}, got "
             f"{degrees(tilt):g}: pushed apart, they lean by {leans:.3g}"
         )
-    return rods[:, :VELOCITY]
+    return rods
 
 
 def _most_upright(gap: Annulus) -> int:
@@ -105,7 +105,7 @@ def _most_upright(gap: Annulus) -> int:
 def _zigzag(
     gap: Annulus, count: int, half: float, lean: float, random: np.random.Generator
 ) -> np.ndarray:
-    """State of rods around the gap, by turns as near to either wall as their tilt allows.
+    """Rods around the gap, (count, 6), by turns as near to either wall as their tilt allows.
 
     The last of an odd number stands in the middle, with as much more room beside it as it needs
     there: two rods that are apart by `across` need sqrt(1 - across^2) along the gap, two at one
@@ -114,7 +114,7 @@ def _zigzag(
     low, high = _swing(gap, half, lean)
     beside, turn = (sqrt(1 - min(across, 1) ** 2) for across in ((high - low) / 2, high - low))
     wider = count % 2 * max(beside / max(turn, 0.5) - 1, 0.0)  # in units of the other distances
-    rods = np.zeros((count, SPACE_COLUMNS))
+    rods = np.zeros((count, VELOCITY))
     for i in range(count):
         odd_one = count % 2 == 1 and i == count - 1
         azimuth = 2 * pi * (i + odd_one * wider) / (count + 2 * wider)
@@ -122,7 +122,7 @@ def _zigzag(
         angle = lean + 1e-3 * random.uniform(-1, 1)
         rods[i, :2] = radius * cos(azimuth), radius * sin(azimuth)
         flat = -sin(angle) * sin(azimuth), sin(angle) * cos(azimuth)
-        rods[i, DIRECTOR:VELOCITY] = *flat, cos(angle)
+        rods[i, DIRECTOR:] = *flat, cos(angle)
     return rods
 
 
@@ -211,10 +211,10 @@ def _push_apart(gap: Annulus, rods: np.ndarray, half: float) -> None:
         turn -= (turn * director).sum(axis=1, keepdims=True) * director
         return total, -np.concatenate([force[:, :2].ravel(), (turn / length).ravel()])
 
-    start = np.concatenate([rods[:, :2].ravel(), rods[:, DIRECTOR:VELOCITY].ravel()])
+    start = np.concatenate([rods[:, :2].ravel(), rods[:, DIRECTOR:].ravel()])
     options = {"maxiter": _STEPS, "maxfun": 2 * _STEPS, "ftol": 0.0, "gtol": 1e-9}
     found = minimize(energy, start, jac=True, method="L-BFGS-B", options=options)
-    rods[:, :DIRECTOR], rods[:, DIRECTOR:VELOCITY], _ = parts(found.x)
+    rods[:, :DIRECTOR], rods[:, DIRECTOR:], _ = parts(found.x)
 
 
 def overlap(gap: Annulus, rods: np.ndarray, half: float) -> float:
