@@ -262,40 +262,42 @@ class Engine:
 
 
 def _rods_in_row(scene: Scene, lowest: float) -> np.ndarray:
-    """State of a row at its start: equal tilts, caps over the plate, no mean velocity along it.
-
-    A mean velocity along the plate would last: where friction is small, nothing else would be
-    measured.
-    """
+    """State of a row at its start: equal tilts, caps over the plate."""
     n, tilt = scene.rods.count, scene.tilt
     half = _rod(scene).half_length
     touching = min(1 / max(cos(tilt), 1e-9), 2 * half * abs(sin(tilt)) + 1)
     spacing = scene.box.length / n if scene.box else touching * (1 + GAP)
-    random = np.random.default_rng(scene.start.seed)
     rods = np.zeros((n, ROW_COLUMNS), order="F")
     rods[:, X] = (np.arange(n) + 0.5) * spacing
     rods[:, Z] = lowest + 0.5 + half * abs(cos(tilt)) + GAP + scene.start.drop
     rods[:, ROW_DIRECTION] = sin(tilt), cos(tilt)
-    rods[:, C_X : C_Z + 1] = scene.start.speed * random.uniform(-1, 1, (n, 2))
-    rods[:, C_X] -= rods[:, C_X].mean()
+    rods[:, C_X : C_Z + 1] = _velocities(scene, np.tile([1.0, 0.0], (n, 1)))
     return rods
 
 
 def _rods_in_annulus(scene: Scene, gap: Annulus, lowest: float) -> np.ndarray:
-    """State of the rods in an annulus at their start, without a mean velocity around it."""
+    """State of the rods in an annulus at their start."""
     n, tilt = scene.rods.count, None if scene.start.tilt_deg is None else scene.tilt
     rods = np.zeros((n, SPACE_COLUMNS))
     rods[:, :VELOCITY] = placed(gap, n, scene.rods.length, tilt=tilt, seed=scene.start.seed)
     if scene.tilt < 0:
         rods[:, [PLACE + 1, DIRECTOR + 1]] *= -1  # its mirror image
     rods[:, PLACE + 2] += lowest + GAP + scene.start.drop
-    random = np.random.default_rng(scene.start.seed)
-    rods[:, VELOCITY:TURN] = scene.start.speed * random.uniform(-1, 1, (n, 3))
     around = np.cross(IN_SPACE, rods[:, PLACE:DIRECTOR])
-    around /= np.linalg.norm(around, axis=1, keepdims=True)  # unit vectors
-    mean = (rods[:, VELOCITY:TURN] * around).sum(axis=1).mean()
-    rods[:, VELOCITY:TURN] -= mean * around
+    around /= np.linalg.norm(around, axis=1, keepdims=True)
+    rods[:, VELOCITY:TURN] = _velocities(scene, around)
     return rods
+
+
+def _velocities(scene: Scene, along: np.ndarray) -> np.ndarray:
+    """Random velocities at the start, whose mean along the plate is 0.
+
+    It would last: where friction is small, nothing else would be measured. `along`: unit vectors
+    along the plate, in which rods drift, one for each rod.
+    """
+    random = np.random.default_rng(scene.start.seed)
+    velocity = scene.start.speed * random.uniform(-1, 1, along.shape)
+    return velocity - (velocity * along).sum(axis=1).mean() * along
 
 
 def all_effects(scene: Scene, per: int) -> Effects:
