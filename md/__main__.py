@@ -308,10 +308,7 @@ def run(
         progress=not as_json,
         **chosen,
     )
-    if as_json:
-        print(_dumps(result_json(result)))
-    else:
-        print(result)
+    print(_dumps(result_json(result)) if as_json else result)
     if not result.finished:
         return 130
     return 0 if result.accuracy is None or result.accuracy.state == "reached" else 4
