@@ -1,6 +1,5 @@
 """Output files: checked before the work begins, and replaced only when the new one is whole."""
 
-import itertools
 import os
 import stat
 import tempfile
@@ -24,17 +23,17 @@ def distinct(**paths: str | Path | None) -> None:
 
     Parameters
     ----------
-    paths : by the names of their arguments; None: not given
+    paths : two, by the names of their arguments; None: not given
 
     Raises
     ------
     ValueError
-        If two of the files are one.
+        If they name one file.
     """
-    given = ((name, path) for name, path in paths.items() if path is not None)
-    for (first, one), (second, other) in itertools.combinations(given, 2):
-        if os.path.realpath(one) == os.path.realpath(other):
-            raise InputError(f"{second} must be another file than {first}, got {str(other)!r}")
+    given = {name: os.path.realpath(str(path)) for name, path in paths.items() if path is not None}
+    if len(given) > len({*given.values()}):
+        first, second = paths
+        raise InputError(f"{second} must be another file than {first}, got {str(paths[second])!r}")
 
 
 def empty(path: str | Path) -> bool:
@@ -76,10 +75,11 @@ def text_of(path: str | Path) -> str:
 
 def writable(
     name: str, path: str | Path, kind: Callable[[Path], bool] | None = None, what: str = ""
-) -> None:
-    """Refuse an output file that cannot be written, or that holds data of another kind.
+) -> Path:
+    """The plain file that an output path leads to, which can be written.
 
-    Missing folders are no reason to refuse it: they are made with the file.
+    It is refused where it holds data of another kind. Missing folders are no reason to refuse it:
+    they are made with the file.
 
     Parameters
     ----------
@@ -95,8 +95,8 @@ def writable(
         written.
     """
     try:
-        path = Path(path)
-        there = next(folder for folder in plain(path).parents if folder.exists())
+        path, whole = Path(path), plain(path)
+        there = next(folder for folder in whole.parents if folder.exists())
         with tempfile.TemporaryFile(dir=there), path.open("a") if path.exists() else nullcontext():
             pass
         fits = kind is None or empty(path) or kind(path)
@@ -107,6 +107,7 @@ def writable(
         ) from None
     if not fits:
         raise InputError(f"{name} must be a new file or {what}, got {str(path)!r}")
+    return whole
 
 
 @contextmanager

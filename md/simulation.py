@@ -24,7 +24,7 @@ from .interrupt import SIGNALS
 from .measures import Tables, transient
 from .result import Result
 from .scene import Scene
-from .trajectory import Trajectory, checked
+from .trajectory import Trajectory, is_trajectory
 
 with warnings.catch_warnings():
     warnings.simplefilter("ignore", TqdmWarning)  # a notebook without ipywidgets shows no bar
@@ -98,8 +98,10 @@ class Run:
         if not isinstance(scene, Scene):
             raise InputError(f"scene must be a md.Scene, as md.load gives, got {scene!r}")
         periods = whole("periods", periods, 1, MOST_PERIODS)
-        path = None if trajectory is None else checked(trajectory)
-        if path is None and frames is not None:
+        path = None
+        if trajectory is not None:
+            path = writable("trajectory", trajectory, is_trajectory, "one of frames")
+        elif frames is not None:
             raise InputError("frames has no meaning without trajectory")
         frames = whole("frames", 1 if frames is None else frames, 1, step_of(scene)[1])
         distinct(trajectory=trajectory, checkpoint=checkpoint)

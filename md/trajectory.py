@@ -14,7 +14,7 @@ from typing import BinaryIO
 import numpy as np
 
 from .domains import InputError
-from .files import empty, plain, writable
+from .files import empty
 from .kernels.codes import DIRECTOR, PLACE, TURN, VELOCITY
 from .measures import phase_at
 from .scene import Scene
@@ -25,28 +25,12 @@ _COLUMNS += ":omega:R:3:tilt:R:1"
 _END = 1000  # bytes of the end of the last frame by which a checkpoint knows the file
 
 
-def checked(path: str | Path) -> Path:
-    """Path of a trajectory to be written, refused where the file holds anything else.
-
-    Parameters
-    ----------
-    path : of the file, which is not changed
-
-    Raises
-    ------
-    ValueError
-        If the file holds anything else, or cannot be written.
-    """
-    writable("trajectory", path, _is_trajectory, "one of frames")
-    return plain(path)
-
-
 class Trajectory:
     """File of frames of a run; it is opened for the first frame.
 
     Parameters
     ----------
-    path : of the file, as `checked` gives it
+    path : of the file, a plain one, as `files.writable` gives it
     scene : of the run
     per_period : frames of a period
     before : `place` of the run that a checkpoint continues, whose frames are kept while later ones
@@ -139,7 +123,7 @@ def _head(scene: Scene, time: float, height: float) -> str:
     )
 
 
-def _is_trajectory(path: Path) -> bool:
+def is_trajectory(path: Path) -> bool:
     """Whether a file begins with a frame that a `Trajectory` has written."""
     with path.open("rb") as file:
         file.readline(100)
