@@ -4,7 +4,7 @@ Every row is a transaction of its own: rows that were written stay when the proc
 two sweeps may write to one file.
 
 The columns of a result are those of `result.Result`: "c_x" is its `c_x`, the mean over the
-periods behind the transient of `measures.Tables.drift`.
+periods behind the transient of `measures.Tables.by_period`.
 """
 
 import contextlib
@@ -208,13 +208,12 @@ def table(path: str | Path) -> tuple[list[str], list[dict[str, Any]]]:
     StoreError
         If the file is not a store.
     """
-    with Store(path, write=False) as database:
-        runs = list(database.rows())
     rows = []
-    for found in runs:
-        scene, result = found.pop("scene"), found.pop("result") or {}
-        row = flat(scene) | in_cm(scene) | flat(result) | found
-        rows.append({name: value for name, value in row.items() if not isinstance(value, list)})
+    with Store(path, write=False) as database:
+        for found in database.rows():
+            scene, result = found.pop("scene"), found.pop("result") or {}
+            row = flat(scene) | in_cm(scene) | flat(result) | found
+            rows.append({name: x for name, x in row.items() if not isinstance(x, list)})
     names = dict.fromkeys(name for row in rows for name in row if name not in _OF_RUN)
     return [*names, *_OF_RUN], rows
 
