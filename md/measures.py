@@ -140,47 +140,39 @@ class Tables:
             part = arrays.pop(name)
             array[: len(part)] = part
 
-    def drift(self, periods: int) -> np.ndarray:
-        """Mean drift in each period, sqrt(g d); in an annulus around it, at its middle radius."""
-        engine, length = self.engine, self.engine.dt * self.per
+    def by_period(self, periods: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Mean drift, mean tilt and number of rods that fell over, in each period.
+
+        Drift in sqrt(g d), in an annulus around it, at its middle radius; tilt in degrees; falls
+        are zeros in an annulus, where they are not counted.
+        """
+        engine, rows, length = self.engine, self.series.rows[:periods], self.engine.dt * self.per
+        tilt_deg = np.degrees(rows[:, codes.TILT_SUM] / rows[:, codes.SAMPLED])
         if self.annulus is not None:
-            return self.series.rows[:periods, codes.ADVANCE] * self.annulus.middle / length
+            drift = rows[:, codes.ADVANCE] * self.annulus.middle / length
+            return drift, tilt_deg, np.zeros(periods)
         places = self.series.rows[: periods + 1, codes.MEAN_X].copy()
         if engine.step == periods * self.per:  # the next period's first sample is not yet made
             places[-1] = engine.rods[:, codes.X].mean()
-        return np.diff(places) / length
-
-    def fell(self, periods: int) -> np.ndarray:
-        """Number of rods that fell over in each period; in an annulus zeros: it is not counted."""
-        if self.annulus is not None:
-            return np.zeros(periods)
-        return self.series.rows[:periods, codes.FELL].copy()
+        return np.diff(places) / length, tilt_deg, rows[:, codes.FELL].copy()
 
     def error(self, series: np.ndarray) -> float:
         """Standard error of the mean of a series with one value a period; nan in an annulus."""
         return nan if self.annulus else standard_error(series)
 
-    def tilt_deg(self, periods: int) -> np.ndarray:
-        """Mean tilt in each period, in degrees."""
-        part = self.series.rows[:periods]
-        return np.degrees(part[:, codes.TILT_SUM] / part[:, codes.SAMPLED])
-
     def results(self, first: int, periods: int) -> dict[str, Any]:
-        """Fields of a `Result` but for drift and tilt, from periods `first` to `periods`.
+        """Fields of a `Result` that touches give, from periods `first` to `periods`.
 
         These are the periods behind the transient.
         """
-        found: dict[str, Any] = dict.fromkeys(("touches", "landings", "fell", "wedged"))
-        found["phases"] = []
+        found: dict[str, Any] = {"touches": None, "landings": None, "wedged": None, "phases": []}
         if self.engine.record is not None:
             found["phases"] = self.cycle(first, periods)
             if periods > 0:
                 found["touches"] = self._means(0, MEANS, first, periods)
                 found["landings"] = self._means(1, OF_LANDINGS, first, periods)
-        if self.annulus is None:
-            found["fell"] = int(self.fell(periods).sum())
-        elif self.engine.record is not None:
-            found["wedged"] = self._wedged(self.engine.record)
+            if self.annulus is not None:
+                found["wedged"] = self._wedged(self.engine.record)
         return found
 
     def add(self, rows: np.ndarray) -> None:

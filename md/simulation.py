@@ -216,7 +216,8 @@ class Run:
 
     def history(self) -> np.ndarray:
         """Drift [sqrt(g d)] and number of falls of each period made, (2, periods)."""
-        return np.array([self.tables.drift(self.made), self.tables.fell(self.made)])
+        drift, _, fell = self.tables.by_period(self.made)
+        return np.array([drift, fell])
 
     def _energy(self) -> dict[str, float] | None:
         """Balance of the energy, m g d; None without a ledger."""
@@ -224,9 +225,12 @@ class Run:
             return None
         change = self.engine.energy() - self.energy
         work, *losses = map(float, self.engine.ledger)
-        lost = dict(zip(LOSSES, losses, strict=False))
-        found = {"plate_work": work, **lost, "change": change}
-        return found | {"residual": work - sum(losses) - change}
+        return {
+            "plate_work": work,
+            **dict(zip(LOSSES, losses, strict=False)),
+            "change": change,
+            "residual": work - sum(losses) - change,
+        }
 
     def result(self, finished: bool) -> Result:
         """`Result` of the periods made; checkpoint and trajectory are written up to its end.
@@ -234,7 +238,7 @@ class Run:
         Where these cannot be written, the error tells the result.
         """
         engine, tables, periods = self.engine, self.tables, self.made
-        c_x, tilt, cut = tables.drift(periods), tables.tilt_deg(periods), transient(periods)
+        (c_x, tilt, fell), cut = tables.by_period(periods), transient(periods)
         found = Result(
             scene=engine.scene,
             c_x=float(c_x[cut:].mean()) if periods else nan,
@@ -248,10 +252,11 @@ class Run:
             run_seconds=self.seconds,
             compile_seconds=self.compile_seconds,
             energy=self._energy(),
+            fell=int(fell.sum()) if engine.scene.annulus is None else None,
             **tables.results(cut, periods),
             c_x_series=c_x,
             tilt_series=tilt,
-            fell_series=tables.fell(periods),
+            fell_series=fell,
             rods=engine.rods.copy(),
             finished=finished,
         )
