@@ -216,12 +216,9 @@ def impact(as_json: bool, **given: Any) -> None:
     law, integrator = _law(given), given["integrator"]
     hit = soft_impact.impact(
         radians(given["tilt_deg"]),
-        given["c_x"],
-        given["c_z"],
-        given["omega"],
-        rod=Rod(given["length"], given["inertia"], given["ends"]),
+        rod=Rod(**_given(given, "length", "inertia", "ends")),
         law=law,
-        **_given(given, "friction", "integrator", "dt", "tolerance"),
+        **_given(given, "c_x", "c_z", "omega", "friction", "integrator", "dt", "tolerance"),
     )
     if as_json:
         found = hit._asdict() | {"stiffness": law.normal.stiffness, "arguments": given}
@@ -271,15 +268,7 @@ def _law(given: dict[str, Any]) -> Law:
 @click.option("--frames", type=int, help="Of the trajectory, per period (default 1).")
 @click.option("--checkpoint", metavar="FILE", help="Save here; go on from it if it is there.")
 @_json
-def run(
-    scene: str,
-    changes: tuple[str, ...],
-    trajectory: str | None,
-    checkpoint: str | None,
-    measure_bias: bool,
-    as_json: bool,
-    **given: Any,
-) -> int:
+def run(scene: str, changes: tuple[str, ...], as_json: bool, **given: Any) -> int:
     """Run a scene: drift, tilt, landings, energy.
 
     SCENE is a TOML file, or an example of md/scenes (quasi2d, annulus, single_rod, my_rods).
@@ -299,15 +288,7 @@ def run(
     Exit codes of --tolerance: 0 reached; 4 not reached, or not settled. In JSON: accuracy.state,
     which is "reached", "not reached" or "not settled".
     """  # noqa: E501  (an example)
-    chosen = _given(given, *given)
-    result = accuracy.run(
-        load(scene, changes),
-        trajectory=trajectory,
-        checkpoint=checkpoint,
-        measure_bias=measure_bias,
-        progress=not as_json,
-        **chosen,
-    )
+    result = accuracy.run(load(scene, changes), progress=not as_json, **_given(given, *given))
     print(_dumps(result_json(result)) if as_json else result)
     if not result.finished:
         return 130
