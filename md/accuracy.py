@@ -8,7 +8,7 @@ twice as long, and the bias follows from the difference.
 """
 
 from collections.abc import Callable
-from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from functools import partial
@@ -226,11 +226,10 @@ def _together(runs: list[Run], periods: int, stop: Callable[[], bool]) -> None:
                 pool.submit(running.march, periods, lambda: ended.is_set() or stop())
                 for running in runs
             ]
-            wait(marches, return_when=FIRST_EXCEPTION)
+            for marching in as_completed(marches):
+                marching.result()
         finally:  # also by an exception in this thread, which a handler of a signal has raised
             ended.set()
-    for marching in marches:
-        marching.result()
 
 
 def pursued(goal: _Goal, runs: list[Run]) -> Result:

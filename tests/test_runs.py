@@ -37,7 +37,7 @@ def test_one_start_that_fails_ends_all(monkeypatch):
 def test_what_a_handler_raises_ends_all_starts(monkeypatch):
     usual, made = Run.march, []
     monkeypatch.setattr(accuracy, "FIRST_LOOK", 50_000)
-    monkeypatch.setattr(accuracy, "wait", Mock(side_effect=KeyboardInterrupt))
+    monkeypatch.setattr(accuracy, "as_completed", Mock(side_effect=KeyboardInterrupt))
     monkeypatch.setattr(Run, "march", lambda *a: (usual(*a), made.append(a[0].made)))
     with pytest.raises(KeyboardInterrupt):
         md.run(DRIVEN, tolerance=0.01)
