@@ -77,15 +77,21 @@ def stable_step(scene: Scene) -> tuple[float, float]:
     """
     rod, speed, coarse, found = _rod(scene), scene.impact_speed, scene.step.coarse, []
     light, half = 1 / rod.gyration_squared, rod.half_length
-    alone = (half + 0.5) ** 2 * light, half**2 * light, 2 if half > 0 else 1
+    along = (half + 0.5) ** 2 * light
+    across = half**2 * light
+    caps = 2 if half > 0 else 1
     # A rod turns or shifts against both neighbours, which it touches at one end or two.
-    pressed = 4 if half > 0 else 2
-    between = 1 + 2 * alone[0], 2 * pressed * max(1.0, alone[1]) - 1, 1
+    pressed = 2 * caps
+    between = 1 + 2 * along, 2 * pressed * max(1.0, across) - 1, 1
     if scene.annulus is not None:  # there they also rub as it leans across the row, and rolls
         axial = rod.axial_gyration_squared if scene.rods.rolling else np.inf
-        turns = max(1.0, alone[1], (1 + alone[0]) / pressed, 0.25 * light, 0.25 / axial)
-        between = 2 * turns - 1, pressed * max(1.0, alone[1]), pressed
-    near = {"plate": (*alone, None), "wall": (*alone, alone[2]), "rods": (*between, pressed)}
+        turns = max(1.0, across, (1 + along) / pressed, 0.25 * light, 0.25 / axial)
+        between = 2 * turns - 1, pressed * max(1.0, across), pressed
+    near = {
+        "plate": (along, across, caps, None),
+        "wall": (along, across, caps, caps),
+        "rods": (*between, pressed),
+    }
     for name, (along, across, caps, late) in near.items():
         if (contact := getattr(scene.contacts, name)) is None:
             continue
