@@ -47,23 +47,18 @@ class Trajectory:
         self, path: Path, scene: Scene, per_period: int, before: tuple[str, int] | None = None
     ):
         self.path, self.scene, self.per_period = path, scene, per_period
-        self.end, self.kept = "", 0  # end of the last frame, bytes that the first one follows
+        self.place = "", 0  # end of the last frame, which tells it from others; its end in bytes
         self.file: BinaryIO | None = None
         if before is not None and not empty(path):
-            self.end, self.kept = before
+            self.place = end, kept = before
             with path.open("rb") as file:
-                file.seek(self.kept - len(self.end))
-                found = file.read(len(self.end)).decode(errors="replace")
-            if not found or found != self.end:
+                file.seek(kept - len(end))
+                found = file.read(len(end)).decode(errors="replace")
+            if not found or found != end:
                 raise InputError(
                     f"trajectory {str(path)!r} does not hold the frames before the checkpoint: "
                     "name a new file, or remove the checkpoint to start again"
                 )
-
-    @property
-    def place(self) -> tuple[str, int]:
-        """End of the last frame, which tells it from others, and where it ends, in bytes."""
-        return self.end, self.file.tell() if self.file else self.kept
 
     def write(self, rods: np.ndarray, time: float, height: float, rolling: float = 0.0) -> None:
         """Append a frame.
@@ -82,15 +77,15 @@ class Trajectory:
         """
         if self.file is None:
             self.path.parent.mkdir(parents=True, exist_ok=True)
-            self.path.touch()
-            self.file = self.path.open("r+b")
-            self.file.truncate(self.file.seek(self.kept))
+            self.file = self.path.open("ab")
+            self.file.truncate(self.file.seek(self.place[1]))
         lines = [_head(self.scene, time, height)]
         for i, (place, turn, velocity, omega, tilt) in enumerate(_in_space(rods, rolling)):
             numbers = [*turn, 0.5, 0.5, self.scene.rods.length - 1, *velocity, *omega, tilt]
             lines.append(f"rod {_text(place)} 0 {i} {_text(numbers)}\n")
-        self.file.write("".join(lines).encode())
-        self.end = "".join(lines)[-_END:]
+        frame = "".join(lines)
+        self.file.write(frame.encode())
+        self.place = frame[-_END:], self.file.tell()
 
     def flush(self) -> None:
         """Hand all frames to the operating system."""
