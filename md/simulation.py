@@ -238,7 +238,8 @@ class Run:
         Where these cannot be written, the error tells the result.
         """
         engine, tables, periods = self.engine, self.tables, self.made
-        (c_x, tilt, fell), cut = tables.by_period(periods), transient(periods)
+        c_x, tilt, fell = tables.by_period(periods)
+        cut = transient(periods)
         found = Result(
             scene=engine.scene,
             c_x=float(c_x[cut:].mean()) if periods else nan,
