@@ -135,6 +135,18 @@ class Search:
         """Value and error of each target, (targets, 2)."""
         return np.array([(target.value, target.error) for target in self.targets])
 
+    def misfit(self, results: np.ndarray, variance: Any) -> np.ndarray:
+        """Sum over the targets of ((result - datum)/error)^2; one without a datum does not count.
+
+        Parameters
+        ----------
+        results : (..., targets)
+        variance : of the results
+        """
+        value, error = self.measured.T
+        squares = (results - value) ** 2 / (error**2 + variance)
+        return np.sum(squares, axis=-1, where=~np.isnan(value))
+
     def values(self, parts: Iterable) -> dict[str, Any]:
         """Values of the parameters at a place in their ranges.
 
@@ -219,7 +231,7 @@ class Found:
         starts = self.runs.shape[-1]
         scatter = self.runs.var(axis=-1, ddof=1) if starts > 1 else np.zeros((1, 1))
         variance = np.nanmean(scatter, axis=0) / starts
-        found = _misfit(self.search.measured, self.results, variance)
+        found = self.search.misfit(self.results, variance)
         return np.where(np.isnan(found), np.inf, found)
 
     @property
@@ -227,10 +239,26 @@ class Found:
         """Number of the point with the least misfit."""
         return int(np.argmin(self.misfits))
 
+    @property
+    def box(self) -> np.ndarray:
+        """Box around the best quarter of the points, widened by the gaps to the other ones.
+
+        Points that are as good as the best one belong to it, however many they are. (2, parameters)
+        """
+        parts, misfits = self.parts, self.misfits
+        good = np.sum(misfits < misfits.min() + _AS_GOOD)
+        few = max(len(parts) // 4, 2 * (parts.shape[1] + 1), good)
+        near = parts[np.argsort(misfits)[:few]]
+        low, high = near.min(axis=0), near.max(axis=0)
+        gap = max(0.1, 2 / len(near)) * (high - low)
+        below = np.where(parts < low, parts, 0).max(axis=0)
+        above = np.where(parts > high, parts, 1).min(axis=0)
+        return np.clip([np.minimum(low - gap, below), np.maximum(high + gap, above)], 0, 1 - 1e-12)
+
     @cached_property
     def estimates(self) -> Estimates:
         """Estimates near the best point: means over draws with weights exp(-misfit/2)."""
-        search, (low, high) = self.search, _box_around(self.parts, self.misfits)
+        search, (low, high) = self.search, self.box
         near = ((self.parts >= low) & (self.parts <= high)).all(axis=1)
         near &= np.isfinite(self.results).all(axis=1)
         if near.sum() < _ENOUGH * (len(search.parameters) + 1):
@@ -238,16 +266,15 @@ class Found:
         inside = 2 * (self.parts[near] - low) / (high - low) - 1
         surfaces = [_Surface(inside, results) for results in self.results[near].T]
 
-        def predicted(places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-            """Results at the targets and their variances, (n, targets) each."""
-            results, variances = np.array([s(places) for s in surfaces]).transpose(1, 2, 0)
-            return results, variances
+        def predicted(places: np.ndarray) -> np.ndarray:
+            """Results at the targets and their variances, (2, n, targets)."""
+            return np.array([surface(places) for surface in surfaces]).transpose(1, 2, 0)
 
         def unlikely(places: np.ndarray) -> np.ndarray:
             """Misfit with a term that grows where little is known, which would fit anything."""
             results, variances = predicted(places)
             unknown = np.nansum(np.log1p(variances / search.measured[:, 1] ** 2), axis=1)
-            return _misfit(search.measured, results, variances) + unknown
+            return search.misfit(results, variances) + unknown
 
         places = _draws(unlikely, len(low))
         results, variances = predicted(places)
@@ -258,7 +285,7 @@ class Found:
             {name: Estimate(float(x.mean()), float(x.std())) for name, x in values.items()},
             np.atleast_2d(np.corrcoef([*values.values()])),
             [*map(Estimate, results.mean(axis=0).tolist(), spread.tolist())],
-            float(_misfit(search.measured, results, variances).min()),
+            float(search.misfit(results, variances).min()),
         )
 
 
@@ -287,7 +314,7 @@ def search(given: Search, store: str | Path, **how: Any) -> Found:
         found = Found(given, np.concatenate(parts), np.concatenate(runs), tally)
         if not np.isfinite(found.results).all(axis=1).any():
             raise RunError(f"no point has all results at the targets; {tally.failed} runs failed")
-        low, high = _box_around(found.parts, found.misfits)
+        low, high = found.box
     return found
 
 
@@ -345,34 +372,6 @@ def _terms(places: np.ndarray, degree: int) -> np.ndarray:
     n, k = places.shape
     powers = [c for d in range(1, degree + 1) for c in combinations_with_replacement(range(k), d)]
     return np.column_stack([np.ones(n), *(places[:, list(c)].prod(axis=1) for c in powers)])
-
-
-def _misfit(measured: np.ndarray, results: np.ndarray, variance: Any) -> np.ndarray:
-    """Misfit: sum over the targets of ((result - datum)/error)^2.
-
-    Parameters
-    ----------
-    measured : (targets, 2): value and error; nan: it does not count
-    results : (..., targets)
-    variance : of the results
-    """
-    value, error = measured.T
-    squares = (results - value) ** 2 / (error**2 + variance)
-    return np.sum(squares, axis=-1, where=~np.isnan(value))
-
-
-def _box_around(parts: np.ndarray, misfits: np.ndarray) -> np.ndarray:
-    """Box around the best quarter of the points, widened by the gaps to the other ones.
-
-    Points that are as good as the best one belong to it, however many they are.
-    """
-    few = max(len(parts) // 4, 2 * (parts.shape[1] + 1), np.sum(misfits < misfits.min() + _AS_GOOD))
-    near = parts[np.argsort(misfits)[:few]]
-    low, high = near.min(axis=0), near.max(axis=0)
-    gap = max(0.1, 2 / len(near)) * (high - low)
-    below = np.where(parts < low, parts, 0).max(axis=0)
-    above = np.where(parts > high, parts, 1).min(axis=0)
-    return np.clip([np.minimum(low - gap, below), np.maximum(high + gap, above)], 0, 1 - 1e-12)
 
 
 def _draws(misfit: Callable[[np.ndarray], np.ndarray], coordinates: int) -> np.ndarray:
