@@ -496,9 +496,9 @@ def from_tables(tables: Mapping) -> Scene:
     ValueError, TypeError
         If they do not make a scene.
     """
-    tables, said = reduced(tables)
+    changes, said = reduced(tables)
     try:
-        return _build(Scene, "", tables)
+        return _build(Scene, "", put(tables, changes))
     except InputError as error:
         given = [words for key, words in said.items() if key in str(error)]
         raise InputError(f"{error} ({'; '.join(given)})" if given else str(error)) from None

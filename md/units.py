@@ -16,7 +16,6 @@ Units and long names of results, columns of records and keys stand in units.toml
 import re
 import tomllib
 from collections.abc import Callable, Mapping
-from copy import deepcopy
 from functools import cache
 from math import pi, sqrt
 from pathlib import Path
@@ -75,12 +74,13 @@ def _value(tables: Mapping, key: str) -> Any:
     return table.get(name)
 
 
-def reduced(tables: Mapping) -> tuple[dict, dict[str, str]]:
-    """Tables of a scene in reduced units, converted from cm and cm/s.
+def reduced(tables: Mapping) -> tuple[dict[str, float], dict[str, str]]:
+    """Values of a scene's tables that are given in cm and cm/s, in reduced units.
 
     Returns
     -------
-    The tables, and for each converted key a text that says how it was given.
+    Changes of the tables, as `scene.put` takes them, and for each of their keys a text that says
+    how it was given.
 
     Raises
     ------
@@ -88,7 +88,7 @@ def reduced(tables: Mapping) -> tuple[dict, dict[str, str]]:
         If two keys say the same, a key lacks the one that it needs, or a value is out of its
         domain.
     """
-    changed, said = deepcopy(dict(tables)), {}
+    changes, said = {}, {}
     for name, (key, scale, unit) in TWINS.items():
         value = _value(tables, name)
         if value is None:
@@ -99,11 +99,9 @@ def reduced(tables: Mapping) -> tuple[dict, dict[str, str]]:
         if (by := _value(tables, scale)) is None:
             raise InputError(f"{scale} is missing: {name} needs it")
         one = unit(held(scale, by, SCALES[scale]))
-        part, _, last = name.partition(".")
-        del changed[part][last]
-        changed[part][key.partition(".")[2]] = not_negative(name, value) / one
+        changes[key] = not_negative(name, value) / one
         said[key] = f"{name} = {value!r}, in units of {one:.6g}"
-    return changed, said
+    return changes, said
 
 
 def in_cm(tables: Mapping) -> dict[str, float]:
