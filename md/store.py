@@ -85,8 +85,8 @@ class Store:
     def _recognise(self) -> None:
         """Refuse a file that is not a store of this version."""
         with self._failing("is not a store"):
-            (mark,) = self.database.execute("PRAGMA application_id").fetchone()
-            (version,) = self.database.execute("PRAGMA user_version").fetchone()
+            query = "SELECT * FROM pragma_application_id, pragma_user_version"
+            mark, version = self.database.execute(query).fetchone()
         if mark != _APPLICATION:
             raise StoreError(f"store {self.path} is a database, but not one of runs")
         if version != _VERSION:
