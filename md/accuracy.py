@@ -166,9 +166,9 @@ class _Goal:
     """Goal of several starts: judges their drifts until the mean is accurate enough."""
 
     tolerance: float
-    confidence: float = CONFIDENCE
-    floor: float = 0.0
-    max_seconds: float = MAX_SECONDS
+    confidence: float
+    floor: float
+    max_seconds: float
     starts: int = STARTS  # with the fine step; if the bias is measured, as many have longer ones
     annulus: bool = False
     over: bool = False
