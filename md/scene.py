@@ -451,11 +451,6 @@ def changes_of(name: str, table: object) -> dict[str, Any]:
     return dict(table)
 
 
-def both(**options: Any) -> dict[str, Any]:
-    """Changes for `put` that give the contacts of plate and rods the same options."""
-    return {f"contacts.{part}.{key}": v for part in ("plate", "rods") for key, v in options.items()}
-
-
 def read_tables(source: str | Path, examples: Path = SCENES) -> dict:
     """Tables of a TOML file, or of the example of that name.
 

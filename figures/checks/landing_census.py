@@ -20,10 +20,10 @@ import numpy as np
 from scipy.optimize import brentq
 
 from impact import critical_friction
-from md.scene import both, put, read_tables
+from md.scene import put, read_tables
 from md.sweep import Sweep
 
-from ..lib.runs import FRICTION, GAMMA, gathered, paper_rod, planned, with_error
+from ..lib.runs import FRICTION, GAMMA, both, gathered, paper_rod, planned, with_error
 from ..lib.style import (
     ANOTHER,
     BLACK,

@@ -22,10 +22,10 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 
-from md.scene import both, put, read_tables
+from md.scene import put, read_tables
 from md.sweep import Sweep
 
-from ..lib.runs import SEEDS, boxes, means, over_seeds, planned, with_error
+from ..lib.runs import SEEDS, both, boxes, means, over_seeds, planned, with_error
 from ..lib.style import ORANGE, Data, legend_above, painted, points, style
 
 MEASURED = {  # in the columns of the table, with the names that a run has for them

@@ -20,7 +20,7 @@ from matplotlib.ticker import EngFormatter
 import md
 from impact import drift
 from md.accuracy import STEPS_PER_CONTACT, steps_per_contact
-from md.scene import Scene, both, from_tables, put, read_tables
+from md.scene import Scene, from_tables, put, read_tables
 from md.sweep import Point, Sweep
 
 from ..lib.runs import (
@@ -31,6 +31,7 @@ from ..lib.runs import (
     GAMMA,
     RESTITUTION,
     SETTING,
+    both,
     gathered,
     over_seeds,
     paper_rod,

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from impact import ContactGeometry, InputError, spherocylinder
-from md.scene import Scene, both, from_tables, put, read_tables
+from md.scene import Scene, from_tables, put, read_tables
 from md.store import Store
 from md.sweep import Measure, Point, Sweep, execute, expand
 
@@ -35,6 +35,14 @@ SETTING: dict[str, Any] = {"friction": FRICTION, "restitution": RESTITUTION}  # 
 BOX = 43.0  # length of the box where the tilt is not varied
 BOX_TILT = np.arccos(COUNT / BOX)  # rad
 _COARSE = {"step.size": 1.2e-4, "step.coarse": True}  # a fiftieth of a contact
+PARTS = "plate", "rods"
+
+
+def both(**options: Any) -> dict[str, Any]:
+    """Changes of a scene that give the contacts of plate and rods the same options."""
+    return {f"contacts.{part}.{key}": value for part in PARTS for key, value in options.items()}
+
+
 SIMPLE = both(restitution=RESTITUTION, tangential_ratio=3)  # one law for plate and rods
 SIMPLE_ROW = put(read_tables("quasi2d"), {**_COARSE, "start.speed": 0.3, **SIMPLE})  # of prices
 LAW_OF = {  # plate, rods: of all simulated rows and annuli; chosen once among 320 laws
@@ -42,7 +50,6 @@ LAW_OF = {  # plate, rods: of all simulated rows and annuli; chosen once among 3
     "tangential_ratio": (7.2, 0.68),
     "tangential_damping": (0.43, 0.28),
 }
-PARTS = "plate", "rods"
 LAW = {
     f"contacts.{part}.{name}": value
     for name, pair in LAW_OF.items()
