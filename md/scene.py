@@ -406,17 +406,16 @@ def _parsed(assignment: str) -> tuple[str, Any]:
     """Key and value of KEY=VALUE: the value as TOML or Python writes it, or a bare word."""
     if not isinstance(assignment, str):
         raise InputError(f"assignments must be texts KEY=VALUE, got {assignment!r}")
-    key, equals, text = assignment.partition("=")
-    if not equals or not key.strip():
+    key, equals, text = map(str.strip, assignment.partition("="))
+    if not equals or not key:
         raise InputError(f"--set needs KEY=VALUE, got {assignment!r}")
     try:
-        return key.strip(), tomllib.loads(f"value = {text}")["value"]
+        return key, tomllib.loads(f"value = {text}")["value"]
     except ValueError:  # no TOML, or a whole number of thousands of digits
-        word = text.strip()
         plain = {"true": True, "false": False, "none": "none"}  # in any case
         with suppress(ValueError):  # .03, which TOML writes as 0.03
-            return key.strip(), float(word)
-        return key.strip(), plain.get(word.lower(), word)
+            return key, float(text)
+        return key, plain.get(text.lower(), text)
 
 
 def put(tables: Mapping, changes: Mapping[str, Any]) -> dict:
