@@ -231,7 +231,19 @@ def kernel(
 
 def _kept(function: Callable) -> Any:
     """Dispatcher of Numba that keeps its kernels in our folder, or in no folder if it cannot."""
-    return _compiling(_cached(function) or numba.njit(**_OPTIONS)(function))
+    folder, usual = directory(), numba.config.CACHE_DIR
+    if folder is not None:
+        try:
+            numba.config.CACHE_DIR = str(folder)  # read when a function is decorated, not later
+            made = numba.njit(cache=True, **_OPTIONS)(function)
+            if Path(made.stats.cache_path).is_relative_to(folder):  # else it is beside the sources
+                return _compiling(_one_at_a_time(made, folder))
+        except (OSError, RuntimeError):  # RuntimeError: no place at all
+            pass
+        finally:
+            numba.config.CACHE_DIR = usual
+        _warn_once(f"compiled kernels cannot be kept in {folder}")
+    return _compiling(numba.njit(**_OPTIONS)(function))
 
 
 def _compiling(made: Any) -> Any:
@@ -265,21 +277,3 @@ def _one_at_a_time(made: Any, folder: Path) -> Any:
 
     made._cache.save_overload = saved
     return made
-
-
-def _cached(function: Callable) -> Any:
-    """Dispatcher of Numba that keeps its kernels in our folder; None where it would not."""
-    folder, usual = directory(), numba.config.CACHE_DIR
-    if folder is None:
-        return None
-    try:
-        numba.config.CACHE_DIR = str(folder)  # read when a function is decorated, not later
-        made = numba.njit(cache=True, **_OPTIONS)(function)
-        if Path(made.stats.cache_path).is_relative_to(folder):  # else it is beside the sources
-            return _one_at_a_time(made, folder)
-    except (OSError, RuntimeError):  # RuntimeError: no place at all
-        pass
-    finally:
-        numba.config.CACHE_DIR = usual
-    _warn_once(f"compiled kernels cannot be kept in {folder}")
-    return None
