@@ -260,7 +260,7 @@ def steps_per_contact(scene: Scene, dt: float) -> float:
     """
     if not scene.vibrates:
         raise InputError("tolerance needs plate.acceleration > 0: nothing vibrates")
-    found = [c for c in vars(scene.contacts).values() if c is not None]
+    found = filter(None, vars(scene.contacts).values())
     return min(contact_time(c.law, 2 * scene.plate_speed) for c in found) / dt
 
 
@@ -270,8 +270,6 @@ def stepped(scene: Scene, tolerance: float, *, measure_bias: bool = False) -> tu
     A bias that is measured is known to about a third of itself: below the allowance the step
     shrinks with the tolerance.
     """
-    if not isinstance(scene, Scene):
-        raise InputError(f"scene must be a md.Scene, as md.load gives, got {scene!r}")
     own = any(c.law.name not in LAWS for c in vars(scene.contacts).values() if c is not None)
     doubled = measure_bias or own or tolerance < 2 * ALLOWANCE
     n = STEPS_PER_CONTACT * max(1.0, ALLOWANCE / tolerance)
@@ -327,6 +325,8 @@ def run(
     RunError
         As `simulation.run`.
     """
+    if not isinstance(scene, Scene):
+        raise InputError(f"scene must be a md.Scene, as md.load gives, got {scene!r}")
     own: dict[str, Any] = {"confidence": confidence, "floor": floor, "max_seconds": max_seconds}
     if tolerance is None:
         usual = {"confidence": CONFIDENCE, "max_seconds": MAX_SECONDS, "measure_bias": False}

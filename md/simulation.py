@@ -95,8 +95,6 @@ class Run:
         checkpoint: str | Path | None = None,
         progress: bool = False,
     ):
-        if not isinstance(scene, Scene):
-            raise InputError(f"scene must be a md.Scene, as md.load gives, got {scene!r}")
         periods = whole("periods", periods, 1, MOST_PERIODS)
         path = None
         if trajectory is not None:
