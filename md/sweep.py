@@ -277,14 +277,15 @@ def expand(tables: Mapping, base: Mapping | None = None) -> Sweep:
     given = held("axes", tables.get("axes", []), list)
     axes = tuple(_axis(i, table) for i, table in enumerate(given))
     common, points = changes_of("set", tables.get("set", {})), []
-    keys = [*common, *(key for axis in axes for key in axis)]
+    along = [key for axis in axes for key in axis]
+    keys = [*common, *along]
     if twice := {key for key in keys if keys.count(key) > 1}:
         raise InputError(f"{', '.join(sorted(twice))} may stand on one axis alone, or under set")
     if (size := math.prod(Sweep(axes, ()).shape)) > _MOST_POINTS:
         raise InputError(f"a sweep may have {_MOST_POINTS} points, got {size}")
-    along = [[dict(zip(a, v, strict=True)) for v in zip(*a.values(), strict=True)] for a in axes]
-    for place in itertools.product(*along):
-        changes = changes_of("axes", {key: value for part in place for key, value in part.items()})
+    for place in itertools.product(*(zip(*axis.values(), strict=True) for axis in axes)):
+        values = itertools.chain(*place)
+        changes = changes_of("axes", dict(zip(along, values, strict=True)))
         points.append(point_at(base, {**common, **changes}, changes, periods, **chosen))
     return Sweep(axes, tuple(points))
 
