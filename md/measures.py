@@ -172,7 +172,9 @@ class Tables:
                 found["touches"] = self._means(0, MEANS, first, periods)
                 found["landings"] = self._means(1, OF_LANDINGS, first, periods)
             if self.annulus is not None:
-                found["wedged"] = self._wedged(self.engine.record)
+                since = columns.since_touch(self.engine.record, self.engine.step)
+                long = wedged_periods(self.engine.scene) * self.per
+                found["wedged"] = float((since > long).mean())
         return found
 
     def add(self, rows: np.ndarray) -> None:
@@ -212,11 +214,6 @@ class Tables:
         """
         counts = self.phases[first:last].sum(axis=0, dtype=np.int64)
         return np.roll(counts, -(_PARTS // 4)).tolist()
-
-    def _wedged(self, record: columns.Record) -> float:
-        """Share of rods wedged at the end, which have kept off the plate, or on it, for long."""
-        since = columns.since_touch(record, self.engine.step)
-        return float((since > wedged_periods(self.engine.scene) * self.per).mean())
 
 
 FEWEST = 100  # values for a standard error
