@@ -212,7 +212,7 @@ class Engine:
         """Double the capacity of the list of pairs."""
         listed: Any = self.state.listed
         longer = {
-            name: np.concatenate([array, np.zeros_like(array)], axis=1)
+            name: np.append(array, np.zeros_like(array), axis=1)
             for name in ("index", "springs", "forces")
             if (array := getattr(listed, name)) is not None
         }
@@ -251,7 +251,7 @@ class Engine:
     def _parts(self, rods: np.ndarray) -> list[np.ndarray]:
         """Places, directors, velocities and turns in an array of rods."""
         dimensions = len(self.effects.up)
-        return np.split(rods, [dimensions, 2 * dimensions, 3 * dimensions], axis=1)
+        return np.hsplit(rods, [dimensions, 2 * dimensions, 3 * dimensions])
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Arrays that change as the run goes on, by dotted name; without scratch arrays."""
@@ -260,8 +260,7 @@ class Engine:
     def restore(self, arrays: dict[str, np.ndarray], step: int) -> None:
         """Take over the arrays and the step of another run of the same scene."""
         self.step = step
-        entries = "listed.index"
-        while entries in self.arrays() and arrays[entries].shape != self.arrays()[entries].shape:
+        while (listed := self.state.listed) and listed.index.shape != arrays["listed.index"].shape:
             self._grow()
         for name, value in self.arrays().items():
             value[...] = arrays[name]
