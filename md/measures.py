@@ -268,10 +268,13 @@ def trend(series: np.ndarray) -> float:
     stationary, with the standard error from its second half (Heidelberger and Welch, 1983). Above
     `TREND` are 1 to 2 % of stationary series, up to 6 % of short ones with a memory of ten values.
     """
-    n, late = len(series), series[-max(len(series) // 2, FEWEST) :]
-    error = standard_error(late) * sqrt(len(late) / max(n, 1))
-    bridge = np.cumsum(series - np.mean(series)) / (n * max(error, _ROUNDING)) if n else series
-    return float(np.mean(bridge**2)) if n >= FEWEST else nan
+    n = len(series)
+    if n < FEWEST:
+        return nan
+    late = series[-max(n // 2, FEWEST) :]
+    error = standard_error(late) * sqrt(len(late) / n)
+    bridge = np.cumsum(series - np.mean(series)) / (n * max(error, _ROUNDING))
+    return float(np.mean(bridge**2))
 
 
 def steady(counts: np.ndarray) -> bool:
