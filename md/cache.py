@@ -36,7 +36,7 @@ from .interrupt import deferred
 RUN = "accuracy"  # module where a run begins
 # Imported by a run, without a part in its numbers.
 APART = {"cache", "files", "interrupt", "trajectory"}
-_LEFT_OUT = {"annotation", "ctx", "kind", "returns", "type_comment", "type_params"}
+_LEFT_OUT = {"annotation", "ctx", "kind", "msg", "returns", "type_comment", "type_params"}
 
 
 def read(folder: Path) -> dict[str, bytes]:
@@ -98,12 +98,8 @@ def essence(node: object) -> str:
             return ""
         case ast.Raise(exc=ast.Call(func=kind)):
             return f"Raise({essence(kind)})"
-        case ast.Assert(test=test):
-            return f"Assert({essence(test)})"
-        case ast.AnnAssign(target=target, value=value):
-            return f"Assign({essence([target])}, {essence(value)})" if value else ""
-        case ast.Assign(targets=targets, value=value):
-            return f"Assign({essence(targets)}, {essence(value)})"
+        case ast.AnnAssign(target=target, value=value):  # as an assignment without the annotation
+            return f"Assign(targets={essence([target])}, value={essence(value)})" if value else ""
         case ast.AST():
             parts = [
                 (name, essence(x)) for name, x in ast.iter_fields(node) if name not in _LEFT_OUT
