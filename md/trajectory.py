@@ -119,7 +119,12 @@ def _head(scene: Scene, time: float, height: float) -> str:
 
 
 def is_trajectory(path: Path) -> bool:
-    """Whether a file begins with a frame that a `Trajectory` has written."""
+    """Whether a file begins with a frame that a `Trajectory` has written.
+
+    Parameters
+    ----------
+    path : of the file
+    """
     with path.open("rb") as file:
         file.readline(100)
         return f" Properties={_COLUMNS} ".encode() in file.readline(1000)
