@@ -297,8 +297,8 @@ def _rods_in_annulus(scene: Scene, gap: Annulus, lowest: float) -> np.ndarray:
 def _velocities(scene: Scene, along: np.ndarray) -> np.ndarray:
     """Random velocities at the start, whose mean along the plate is 0.
 
-    It would last: where friction is small, nothing else would be measured. `along`: unit vectors
-    along the plate, in which rods drift, one for each rod.
+    A mean would last: where friction is small, nothing else would be measured. `along`: a unit
+    vector for each rod, in the direction in which rods drift.
     """
     random = np.random.default_rng(scene.start.seed)
     velocity = scene.start.speed * random.uniform(-1, 1, along.shape)
