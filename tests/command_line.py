@@ -6,6 +6,7 @@ import subprocess
 import sys
 import time
 import tomllib
+from importlib import import_module
 from pathlib import Path
 
 import psutil
@@ -32,6 +33,12 @@ def python(*words, cwd=ROOT, **environment):
     """Run a command of this interpreter, which finds these packages; see `called`."""
     env = os.environ | {"PYTHONPATH": str(ROOT)} | environment
     return called(sys.executable, *words, cwd=cwd, env=env)
+
+
+def entered(line, *more):
+    """Exit code of a command line such as "md results", and what else it ends with, run here."""
+    package, *words = line.split()
+    return import_module(f"{package}.__main__").main([*words, *map(str, more)])
 
 
 def left(folder):

@@ -23,7 +23,7 @@ from figures.lib.printing import plain
 from figures.pages import everything, gallery, index
 from md.store import Store
 
-from .command_line import names_in, refused
+from .command_line import entered, names_in, refused
 from .page import Page, as_read, stands_alone
 from .quick_figures import tiny
 
@@ -39,7 +39,7 @@ def picture(path):
 
 def made(out):
     """The page of `out` and what is read in it; all that it names lies in the folder."""
-    assert main(["index", "--out", str(out)]) == 0
+    assert entered("figures index --out", out) == 0
     source = (out / "index.html").read_text("utf-8")
     page = Page(source)
     for link in page.links:
@@ -196,11 +196,11 @@ def test_claims_that_cannot_be_read_cost_a_line(text, tmp_path):
 def test_folders_that_are_left_alone(tmp_path, monkeypatch, capsys):
     """Without anything to show, or that of the gallery itself."""
     (tmp_path / "rows.db").touch()
-    refused(lambda: main(["index", "--out", str(tmp_path)]), "something to show", capsys)
+    refused(lambda: entered("figures index --out", tmp_path), "something to show", capsys)
     monkeypatch.setattr(index, "GALLERY", tmp_path / "gallery")
     (tmp_path / "gallery").mkdir()
     picture(tmp_path / "fig10.png")
-    refused(lambda: main(["index", "--out", str(tmp_path)]), "gallery", capsys)
+    refused(lambda: entered("figures index --out", tmp_path), "gallery", capsys)
     assert names_in(tmp_path) == {"rows.db", "gallery", "fig10.png"}
 
 
@@ -214,7 +214,7 @@ def test_the_page_comes_last_of_all(tmp_path, monkeypatch):
     monkeypatch.setattr(everything, "left", lambda out: done.clear() or ["fig10"])
     monkeypatch.setattr(everything, "estimate", lambda out: "")
     monkeypatch.setattr(index, "files", lambda out: done.append("index") or {})
-    assert main(["paper", "--out", str(tmp_path)]) == 0
+    assert entered("figures paper --out", tmp_path) == 0
     assert done == ["draw", "movie", "claims", "index"]
 
 
@@ -233,7 +233,7 @@ def test_figures_are_left_to_draw_if_not_whole_or_of_other_sources(tmp_path, mon
 
 def test_runs_of_the_store_are_left_out_of_the_estimate_and_not_run_again(tmp_path):
     out, path, written = tmp_path / "out", tmp_path / "runs.db", []
-    command = ["draw", "row_size", "--quick", "--out", str(out), "--store", str(path)]
+    drawn = "figures draw row_size --quick --out", out, "--store", path
     with tiny() as patch:
         some = row_size.sweeps(quick=True)
         points = [point for sweep in some.values() for point in sweep.points]
@@ -244,7 +244,7 @@ def test_runs_of_the_store_are_left_out_of_the_estimate_and_not_run_again(tmp_pa
             full.setattr(row_size, "sweeps", lambda: some)
             assert everything.estimate(tmp_path).startswith(f"{len(points)} runs")
         for _ in range(2):
-            assert main(command) == 0
+            assert entered(*drawn) == 0
             with Store(path, write=False) as database:
                 assert all(database.has(point.key) for point in points)
                 written.append([row["written"] for row in database.rows()])

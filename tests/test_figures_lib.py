@@ -7,14 +7,13 @@ from matplotlib.figure import Figure
 from numpy.testing import assert_allclose, assert_array_equal
 
 import figures
-from figures.__main__ import main
 from figures.lib import data as kept
 from figures.lib import drawing, runs
 from figures.lib.printing import printed
 from figures.paper import fig10
 from impact._generated import DIGEST
 
-from .command_line import ROOT, names_in
+from .command_line import ROOT, entered, names_in
 from .quick_figures import tiny
 
 # Files
@@ -22,7 +21,7 @@ from .quick_figures import tiny
 
 def test_a_drawn_figure_is_three_files(tmp_path, capsys):
     out = tmp_path / "new" / "folder"
-    assert main(["draw", "fig10", "--quick", "--out", str(out)]) == 0
+    assert entered("figures draw fig10 --quick --out", out) == 0
     assert names_in(out) == {"fig10.npz", "fig10.png", "fig10.pdf"}
     assert capsys.readouterr() == (f"{out}/fig10.png  fig10.pdf  fig10.npz\n", "")
     made = kept.made(out / "fig10.npz")
@@ -35,7 +34,7 @@ def test_interrupted_leaves_nothing_half_written(tmp_path, monkeypatch, capsys):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(Figure, "savefig", interrupted)
-    assert main(["draw", "fig10", "--quick", "--out", str(tmp_path)]) == 130
+    assert entered("figures draw fig10 --quick --out", tmp_path) == 130
     assert names_in(tmp_path) == {"fig10.npz"}
     assert capsys.readouterr().err.count("\n") == 1
 
@@ -45,8 +44,8 @@ def test_a_figure_that_fails_leaves_the_others(tmp_path, monkeypatch, capsys):
     for name, alone in (("unknown_to_others", False), ("without_module", True)):
         entry = figures.Entry("paper", "", alone=alone)
         monkeypatch.setitem(figures.FIGURES, name, entry)
-    names = ["unknown_to_others", "without_module", "fig10"]
-    assert main(["draw", *names, "--quick", "--jobs", "2", "--out", str(tmp_path)]) == 1
+    drawn = "figures draw unknown_to_others without_module fig10 --quick --jobs 2 --out"
+    assert entered(drawn, tmp_path) == 1
     printed = capsys.readouterr()
     assert "unknown_to_others failed: there is no figure" in printed.err
     assert "without_module failed: Traceback" in printed.err
@@ -123,7 +122,7 @@ def test_a_figure_is_drawn_from_the_data_of_a_folder(tmp_path):
     """Of whatever sources; nothing is computed, the data are not written again."""
     out = tmp_path / "out"
     np.savez(tmp_path / "fig10.npz", **fig10.data(quick=True))
-    assert main(["draw", "fig10", "--data", str(tmp_path), "--out", str(out)]) == 0
+    assert entered("figures draw fig10 --data", tmp_path, "--out", out) == 0
     assert names_in(out) == {"fig10.png", "fig10.pdf"}
 
 

@@ -3,7 +3,6 @@
 import json
 import math
 import re
-import shlex
 import shutil
 import sys
 from dataclasses import asdict
@@ -17,13 +16,13 @@ from PIL import Image
 
 import impact
 import md
-from figures.__main__ import main
 from figures.pages import gallery, movie
 from figures.pages.explore import CHOICES, RANGES, ROWS, WORDS, Setting
 
-from .command_line import DOCS, ROOT, called
+from .command_line import DOCS, ROOT, called, entered
 from .page import Page, stands_alone
-from .test_help import ALL, GROUPS
+from .rows import sets
+from .test_help import ALL
 
 # The page of sliders
 
@@ -54,7 +53,7 @@ CHANGES = [
 @pytest.fixture(scope="module")
 def path(tmp_path_factory):
     path = tmp_path_factory.mktemp("page") / "new" / "here.html"
-    assert main(["explore", "--html", str(path)]) == 0
+    assert entered("figures explore --html", path) == 0
     assert [other.name for other in path.parent.iterdir()] == ["here.html"]
     return path
 
@@ -141,7 +140,7 @@ def test_the_options_are_the_start(tmp_path):
         | {"shape": "flat", "law": "stronge"}
     )
     words = [f"--{name.replace('_', '-')}={value}" for name, value in given.items()]
-    assert main(["explore", *words, "--html", str(path)]) == 0
+    assert entered("figures explore --html", path, *words) == 0
     start = json.loads(re.search(r"const PAGE = (.*);\n", path.read_text())[1])["start"]
     assert start == given
 
@@ -206,8 +205,7 @@ def test_scripts_of_the_guide_run(code, tmp_path, monkeypatch):
 @pytest.mark.parametrize("command", [c for c in COMMANDS if not set(SLOW) & set(c.split())])
 def test_commands_run(command, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    package, *words = shlex.split(command)
-    assert GROUPS[package](words) == 0
+    assert entered(command) == 0
     assert capsys.readouterr().out
 
 
@@ -310,9 +308,8 @@ def test_picture_shows_each_rod_where_it_is(film):
 
 def test_command_writes_a_gif_that_loops(tmp_path, capsys):
     out = tmp_path / "row.gif"
-    settings = ["--set", "rods.count=4", "--set", "box.length=5", "--set", "step.size=4e-5"]
-    command = ["movie", "quasi2d", *settings, "--periods", "3", "--frames", "4"]
-    assert main([*command, "--out", str(out)]) == 0
+    given = sets("rods.count=4", "box.length=5", "step.size=4e-5")
+    assert entered("figures movie quasi2d --periods 3 --frames 4 --out", out, *given) == 0
     assert capsys.readouterr() == (f"{out}  12 frames\n", "")
     with Image.open(out) as gif:
         assert (gif.n_frames, gif.info["loop"], gif.size[0]) == (12, 0, 600)

@@ -8,8 +8,8 @@ import pytest
 
 import md
 from md import simulation, trajectory
-from md.__main__ import main
 
+from .command_line import entered, names_in
 from .rows import ROW, row, sets
 
 SCENE = ["step.size=3e-4", "plate.acceleration=5"]
@@ -26,21 +26,19 @@ FULL = Mock(side_effect=OSError(errno.ENOSPC, os.strerror(errno.ENOSPC)))  # a d
 )
 def test_a_run_that_a_full_disk_has_ended_goes_on(tmp_path, monkeypatch, capsys, where, what, file):
     """The command names the file; the checkpoint before holds, and the frames are filled in."""
-    command = ["run", "quasi2d", *sets(*ROW, *SCENE), "--frames", "6"]
-    command += ["--checkpoint", str(tmp_path / "w.npz"), "--trajectory"]
-    assert main([*command, str(tmp_path / "a.xyz"), "--periods", "2"]) == 0
+    kept = "--checkpoint", tmp_path / "w.npz", "--trajectory", tmp_path / "a.xyz"
+    command = "md run quasi2d --frames 6", *sets(*ROW, *SCENE), *kept, "--periods"
+    assert entered(*command, 2) == 0
     saved = (tmp_path / "w.npz").read_bytes()
-    longer = [str(tmp_path / "a.xyz"), "--periods", "3"]
     with monkeypatch.context() as patch:
         patch.setattr(where, what, FULL)
-        assert main([*command, *longer]) == 2
+        assert entered(*command, 3) == 2
     said = f"python -m md run: cannot write: {tmp_path}/{file}: No space left on device\n"
     rest = capsys.readouterr().err.removeprefix(said)  # the result, if only the last save failed
     assert rest[:5] == ("" if what == "write" else "rods ")
     assert (tmp_path / "w.npz").read_bytes() == saved
-    assert main([*command, *longer]) == 0
-    how = {"trajectory": tmp_path / "once.xyz", "frames": 6}
-    once = md.run(row(*SCENE), periods=3, **how)
+    assert entered(*command, 3) == 0
+    once = md.run(row(*SCENE), periods=3, trajectory=tmp_path / "once.xyz", frames=6)
     assert f"c_x = {once.c_x:.4g} sqrt(g d)" in capsys.readouterr().out
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.xyz", "once.xyz", "w.npz"]
+    assert names_in(tmp_path) == {"a.xyz", "once.xyz", "w.npz"}
     assert (tmp_path / "a.xyz").read_text() == (tmp_path / "once.xyz").read_text()

@@ -14,7 +14,7 @@ import pytest
 import figures
 import md
 
-from .command_line import COMMANDS, python, refused
+from .command_line import COMMANDS, entered, python, refused
 
 GROUPS = {name: importlib.import_module(f"{name}.__main__").main for name in COMMANDS}
 # Beginnings of examples that take a second at most; the others are read, not run.
@@ -43,8 +43,7 @@ EXAMPLES = [words for command in ALL.values() for words in examples(command)]
 def test_help_is_complete(name, capsys, monkeypatch):
     """Options, arguments and commands have words, lines fit, one example is of that command."""
     monkeypatch.setenv("COLUMNS", "80")  # however wide the terminal
-    package, *command = name.split()
-    assert GROUPS[package]([*command, "--help"]) == 0
+    assert entered(name, "--help") == 0
     printed, err = capsys.readouterr()
     assert err == ""
     assert max(map(len, printed.splitlines())) <= 100
@@ -55,7 +54,7 @@ def test_help_is_complete(name, capsys, monkeypatch):
         short = inner.get_short_help_str(100)
         assert short.endswith((".", ")"))
         assert f" {short}\n" in printed
-    assert any(words[: 1 + len(command)] == name.split() for words in examples(ALL[name]))
+    assert any(f"{' '.join(words)} ".startswith(f"{name} ") for words in examples(ALL[name]))
 
 
 @pytest.mark.parametrize("words", EXAMPLES, ids=" ".join)
@@ -73,16 +72,15 @@ def test_cheap_examples_run(beginning, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     cheap = [words for words in EXAMPLES if " ".join(words).startswith(beginning)]
     assert cheap
-    for package, *arguments in cheap:
-        assert GROUPS[package](arguments) == 0
+    for words in cheap:
+        assert entered(*words) == 0
         assert capsys.readouterr().err == ""
 
 
 @pytest.mark.parametrize("name", ALL)
 def test_bad_usage_begins_with_the_command(name, capsys):
     """An unknown option costs one line and exit code 2."""
-    package, *command = name.split()
-    refused(lambda: GROUPS[package]([*command, "--nonsense"]), f"python -m {name}: No such", capsys)
+    refused(lambda: entered(name, "--nonsense"), f"python -m {name}: No such", capsys)
 
 
 ENDS = [
@@ -102,8 +100,7 @@ def failing(request, tmp_path, monkeypatch):
     """A command, how it is called, and what fails in the midst of its work, as a mock."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(DONE[request.param], work := Mock())
-    package, *words = request.param.split()
-    return f"{package} {words[0]}", lambda: GROUPS[package](words), work
+    return " ".join(request.param.split()[:2]), lambda: entered(request.param), work
 
 
 @pytest.mark.parametrize(("error", "code", "said"), ENDS)

@@ -15,11 +15,10 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import impact
 from derivations import languages
-from derivations.__main__ import main
 from derivations.languages import FUNCTIONS, LAWS, RECORDS
 
 from . import sampling, test_pairs
-from .command_line import called
+from .command_line import called, entered
 from .sampling import each_law
 
 CC = shutil.which("cc")
@@ -81,7 +80,7 @@ def header(tmp_path_factory):
         pytest.skip("there is no C compiler")
     folder = tmp_path_factory.mktemp("c")
     for _ in range(2):  # the second header takes the place of the first
-        assert main(["generate", "--language", "c", "--out", str(folder / "rod_impact.h")]) == 0
+        assert entered("derivations generate --language c --out", folder / "rod_impact.h") == 0
     return folder
 
 
@@ -351,7 +350,7 @@ def test_the_types_name_every_function_and_field():
 
 def test_the_command_prints_a_text(capsys):
     for language in languages.LANGUAGES:
-        assert main(["generate", "--language", language]) == 0
+        assert entered("derivations generate --language", language) == 0
         assert capsys.readouterr().out == languages.source(language)
 
 

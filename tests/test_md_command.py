@@ -6,15 +6,16 @@ from math import radians
 import pytest
 
 import md
-from md.__main__ import main
 
-COMMAND = "impact --json --tilt-deg=20 --friction=0.4 --c-x=0.5 --c-z=-1"
+from .command_line import entered
+
+COMMAND = "md impact --json --tilt-deg=20 --friction=0.4 --c-x=0.5 --c-z=-1"
 OF_A_ROD = "--omega=0.1 --length=8 --inertia=thin --ends=flat --stiffness=1e7 --dt=1e-5"
 
 
 def found(capsys, options):
     """What the command finds, a line of JSON."""
-    assert main(f"{COMMAND} {options}".split()) == 0
+    assert entered(COMMAND, *options.split()) == 0
     out, err = capsys.readouterr()
     assert (err, out.count("\n")) == ("", 1)
     return json.loads(out)

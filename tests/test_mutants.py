@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 import sympy as sp
 
-from derivations import __main__ as cli
 from derivations import axioms, registry, symbols, trace
 from derivations.lookup import entry_of
 
 from . import mutants
+from .command_line import entered
 from .test_derivations import EQUATIONS
 
 SOURCES = sorted(Path(registry.__file__).parent.glob("*.py"))
@@ -63,14 +63,14 @@ def test_a_sign_turned_in_any_step_ends_as_a_row(step):
     test_a_sign_turned_in_a_step_ends_as_a_row(step)
 
 
-@pytest.mark.parametrize("command", ["check", "report"])
+@pytest.mark.parametrize("command", ["derivations check", "derivations report"])
 def test_a_derivation_that_cannot_be_computed_is_a_row_and_exit_code_one(
     monkeypatch, capsys, tmp_path, command
 ):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(registry, "ENTRIES", (entry_of("24"),))
     with mutants.bent("drift.stationary", lambda value: 1 / 0):
-        assert cli.main([command]) == 1
+        assert entered(command) == 1
     printed = capsys.readouterr().out
     assert "NOT PROVED" in printed
     assert "this failed: ZeroDivisionError" in printed

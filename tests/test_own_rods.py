@@ -11,7 +11,6 @@ import pytest
 from numpy.testing import assert_array_equal
 
 import figures
-from figures.__main__ import main
 from figures.claims import over_tilt, own_rods
 from figures.lib import runs
 from figures.lib.data import kept_data, stored_data
@@ -19,7 +18,7 @@ from figures.paper import fig04
 from impact import drift
 from md.scene import SCENES
 
-from .command_line import ROOT, python
+from .command_line import ROOT, entered, python
 
 SCENE = """
 rods = { count = 5, length = 5, inertia = "solid" }
@@ -63,8 +62,8 @@ def test_a_figure_is_drawn_from_values_of_ones_own(tmp_path, monkeypatch):
 )
 def test_friction_at_its_ends_is_drawn_and_beyond_them_refused(tmp_path, figure, friction, code):
     """Rods that bounce without friction keep the velocity that they were given."""
-    own = f"--friction={friction}", "--restitution=1"
-    assert main(["draw", figure, *own, "--quick", "--out", str(tmp_path)]) == code
+    drawn = "figures draw --quick --restitution 1 --out", tmp_path, "--friction", friction, figure
+    assert entered(*drawn) == code
 
 
 @pytest.fixture
@@ -79,7 +78,7 @@ def mine(tmp_path, monkeypatch):
 def test_the_papers_statements_are_judged_for_ones_own_rods(mine, tmp_path, capsys):
     """Numbers are of their row; the theory has the friction and restitution of their plate."""
     out = tmp_path / "out"
-    assert main(["claims", "--scene", str(mine), "--quick", "--out", str(out)]) == 0
+    assert entered("figures claims --quick --out", out, "--scene", mine) == 0
     begin, left, rods, says, *lines = capsys.readouterr().out.splitlines()
     assert (begin, left[:21]) == ("20 runs, none of them stored", "those left take about")
     assert "mine: 5 rods, l=5 d" in rods
@@ -121,8 +120,7 @@ def test_annuli_of_ones_own_hold_as_many_more_rods_as_they_are_wider(tmp_path, c
     assert own["wall"].points[0].scene.rods.count == 88
     assert own["still"].points[0].scene.annulus.inner == 12.31866
     assert "wide: 44 rods" in runs.annulus_of(str(wide)).words
-    command = ["draw", "fig05", "--scene", "quasi2d", "--quick", "--out", str(tmp_path)]
-    assert main(command) == 2
+    assert entered("figures draw fig05 --scene quasi2d --quick --out", tmp_path) == 2
     assert "scene must be rods in an annulus" in capsys.readouterr().err
 
 

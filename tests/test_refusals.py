@@ -18,14 +18,13 @@ import impact
 import md
 from derivations import languages
 from impact import bouncing, compiled
-from md.__main__ import main
 from md.kernels.contact import Normal, Spring
 from md.placement import largest_tilt, placed
 from md.store import Store, table, write_csv
 from md.sweep import execute, expand
 
-from .command_line import read_toml, refused
-from .test_help import ALL, GROUPS
+from .command_line import entered, read_toml, refused
+from .test_help import ALL
 from .test_store import filled
 
 TABLES = read_toml("tests/refusals.toml")
@@ -83,10 +82,10 @@ def contents(folder):
 @pytest.mark.parametrize(("command", "words"), REFUSALS.items(), ids=REFUSALS)
 def test_nonsense_is_refused_in_one_line(folder, capsys, command, words):
     """The line names command, option or key, value, domain; exit code 2; no file is changed."""
-    package, *rest = command.split()
-    name = " ".join([package, *rest[:1]])
+    package, *inner = command.split()[:2]
+    name = " ".join([package, *inner])
     before = contents(folder)
-    err = refused(lambda: GROUPS[package](rest), words, capsys)
+    err = refused(lambda: entered(command), words, capsys)
     assert err.startswith(f"python -m {name if name in ALL else package}: ")
     assert contents(folder) == before
 
@@ -95,7 +94,7 @@ def test_nonsense_is_refused_in_one_line(folder, capsys, command, words):
 def test_a_sweep_that_is_none_is_refused_in_one_line(capsys, sweep, words):
     scene = "" if sweep.startswith("scene") else 'scene = "single_rod"\n'
     Path("bad.toml").write_text(scene + sweep)
-    refused(lambda: main(["sweep", "bad.toml", "--store", "b.db"]), words, capsys)
+    refused(lambda: entered("md sweep bad.toml --store b.db"), words, capsys)
     assert not Path("b.db").exists()
 
 
@@ -114,8 +113,8 @@ def test_what_a_command_wrote_it_may_replace(folder):
     Store("none.db").database.close()
     Path("to").symlink_to("b.csv")
     for _ in range(2):
-        assert main(["results", "none.db", "--csv", "b.csv"]) == 0
-        assert main(["results", "a.db", "--csv", "to"]) == 0
+        assert entered("md results none.db --csv b.csv") == 0
+        assert entered("md results a.db --csv to") == 0
     assert Path("to").is_symlink()
     assert len(Path("b.csv").read_text().splitlines()) == 2
     assert not list(folder.glob("*.part*"))

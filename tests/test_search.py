@@ -9,10 +9,11 @@ import pytest
 from numpy.random import default_rng
 
 from md import sweep
-from md.__main__ import main
 from md.domains import InputError, RunError
 from md.scene import put, read_tables
 from md.search import _draws, expand, search
+
+from .command_line import entered
 
 TRUE = {"friction": 0.3, "restitution": 0.65}
 ERROR = 0.05
@@ -219,19 +220,18 @@ def command(folder, text):
     (folder / "fit.toml").write_text(text)
     (folder / "drift.csv").write_text("box.length,c_x,error\n3.0,,\n")
     (folder / "tilt_deg.csv").write_text("box.length,tilt_deg,error\n3.0,45,5\n")
-    files = str(folder / "fit.toml"), "--store", str(folder / "runs.db")
-    return ["search", *files, "--workers", "1"]
+    return "md search --workers 1", folder / "fit.toml", "--store", folder / "runs.db"
 
 
 def test_the_command_searches_a_file(tmp_path, capsys):
     """Of two files; a place without data is predicted, its value, which JSON lacks, is null."""
     asked = command(tmp_path, f'{FILE}[[data]]\nfile = "drift.csv"\nresult = "c_x"\n')
-    assert main([*asked, "--json"]) == 0
+    assert entered(*asked, "--json") == 0
     told = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
     misfits = [point["misfit"] for point in told["points"]]
     assert len(misfits) == 4
     assert misfits == sorted(misfits)
     assert told["tally"]["computed"] == 4
     assert [target["value"] for target in told["targets"]] == [45, None]
-    assert main(asked) == 0
+    assert entered(*asked) == 0
     assert capsys.readouterr().out.splitlines()[-1].split()[:2] == ["3", "c_x"]  # and no value

@@ -9,10 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from md.__main__ import main
 from md.store import Store, StoreError, table, write_csv
 
-from .command_line import names_in, refused
+from .command_line import entered, names_in, refused
 
 ABOUT = {"scene": {"rods": {"count": 2}}, "periods": 3, "seed": 1, "code": "abc", "seconds": 0.1}
 
@@ -48,7 +47,7 @@ def test_two_writers_share_a_store(path):
 def test_a_row_that_was_edited_by_hand_costs_one_line(path, capsys):
     filled(path)
     database(path, "UPDATE runs SET result = 'oops'")
-    refused(lambda: main(["results", str(path)]), "a.db cannot be read: Exp", capsys)
+    refused(lambda: entered("md results", path), "a.db cannot be read: Exp", capsys)
 
 
 def database(path, *statements):
@@ -112,10 +111,10 @@ def test_a_store_in_a_read_only_folder_is_read(capsys):
             (folder / "new").touch()
         with Store(folder / "a.db", write=False) as store:
             assert store.result("k") == {"c_x": 0.5}
-        assert main(["results", str(folder / "a.db")]) == 0
+        assert entered("md results", folder / "a.db") == 0
         assert "0.5" in capsys.readouterr().out
-        command = ["sweep", "drift", "--store", str(folder / "a.db")]
-        refused(lambda: main(command), "a.db cannot be written", capsys)
+        command = "md sweep drift --store", folder / "a.db"
+        refused(lambda: entered(*command), "a.db cannot be written", capsys)
         assert names_in(folder) == {"a.db"}
 
 
@@ -149,5 +148,5 @@ def test_a_table_has_all_columns(tmp_path, path):
 def test_a_store_without_runs_says_so(path, capsys):
     with Store(path):
         pass
-    assert main(["results", str(path)]) == 0
+    assert entered("md results", path) == 0
     assert capsys.readouterr().out == "no runs yet\n"

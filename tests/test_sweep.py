@@ -14,13 +14,12 @@ from joblib.externals.loky import get_reusable_executor
 from numpy.random import default_rng
 
 import md
-from md.__main__ import main
 from md.scene import read_tables
 from md.soft_impact import RunError
 from md.store import Store
 from md.sweep import Point, execute, expand, load_sweep
 
-from .command_line import each_signal, ended, left
+from .command_line import each_signal, ended, entered, left
 
 SCENE = """
 [rods]
@@ -178,7 +177,7 @@ def test_a_law_of_ones_own_runs_in_processes_that_do_not_know_it(path, monkeypat
     monkeypatch.setitem(md.LAWS, "mine", lambda dashpot: viscous(2e6, dashpot))
     assert execute(expand(tables, base), path, workers=1).there == 0
     monkeypatch.delitem(md.LAWS, "mine")
-    assert main(["results", str(path)]) == 0
+    assert entered("md results", path) == 0
 
 
 def test_what_is_no_law_is_refused(monkeypatch):

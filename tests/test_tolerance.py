@@ -10,13 +10,13 @@ from numpy.testing import assert_array_equal
 
 import md
 from md import accuracy
-from md.__main__ import main
 from md.accuracy import ALLOWANCE, STEPS_PER_CONTACT, stepped, steps_per_contact
 from md.result import accuracy_lines, result_text
 from md.scene import _parsed, put, read_tables
 from md.store import Store, table
 from md.sweep import execute, expand
 
+from .command_line import entered
 from .rows import ROW, row, seeded, sets
 
 DRIVEN = row("plate.acceleration=5")
@@ -127,18 +127,17 @@ SMALL = sets(*ROW, "plate.acceleration=5")
 
 def test_the_command_has_two_ends(capsys, monkeypatch):
     """The exit code is 0 if the tolerance is reached, 4 if not, or if nothing settled."""
-    how = ["--tolerance", "0.3", "--floor", "0.05"]
-    assert main(["run", "quasi2d", *SMALL, *how, "--json"]) == 0
+    assert entered("md run quasi2d --tolerance 0.3 --floor 0.05 --json", *SMALL) == 0
     found = json.loads(capsys.readouterr().out)["accuracy"]
     assert (found["state"], found["starts"]) == ("reached", 2)
-    hard = ["--tolerance", "0.05", "--max-seconds", "0.05"]  # known after the second look
-    assert main(["run", "quasi2d", *SMALL, *hard, "--json"]) == 4
+    hard = "md run quasi2d --tolerance 0.05 --max-seconds 0.05 --json"
+    assert entered(hard, *SMALL) == 4  # known after the second look
     found = json.loads(capsys.readouterr().out)
     assert (found["finished"], found["accuracy"]["state"]) == (True, "not reached")
     assert found["periods"] < 5000
     assert found["accuracy"]["needed_seconds"] > 0.05
     monkeypatch.setattr(accuracy, "settled", lambda first, *series: None)
-    assert main(["run", "quasi2d", *SMALL, "--tolerance", "0.5", "--max-seconds", "1"]) == 4
+    assert entered("md run quasi2d --tolerance 0.5 --max-seconds 1", *SMALL) == 4
     assert "accuracy     NOT SETTLED" in capsys.readouterr().out
 
 
