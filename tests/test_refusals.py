@@ -28,7 +28,8 @@ from .test_help import ALL
 from .test_store import filled
 
 TABLES = read_toml("tests/refusals.toml")
-SWEEPS = TABLES.pop("md sweep bad.toml --store b.db")
+LINES = TABLES.pop("lines of a file that has none of its own")
+ASKED = [(command, *row) for command in LINES for row in TABLES.pop(command).items()]
 CALLS = TABLES.pop("in Python")
 FILES = TABLES.pop("files")
 REFUSALS = {
@@ -90,11 +91,11 @@ def test_nonsense_is_refused_in_one_line(folder, capsys, command, words):
     assert contents(folder) == before
 
 
-@pytest.mark.parametrize(("sweep", "words"), SWEEPS.items(), ids=SWEEPS)
-def test_a_sweep_that_is_none_is_refused_in_one_line(capsys, sweep, words):
-    scene = "" if sweep.startswith("scene") else 'scene = "single_rod"\n'
-    Path("bad.toml").write_text(scene + sweep)
-    refused(lambda: entered("md sweep bad.toml --store b.db"), words, capsys)
+@pytest.mark.parametrize(("command", "text", "words"), ASKED)
+def test_a_file_that_asks_for_nonsense_is_refused_in_one_line(capsys, command, text, words):
+    lines = (line for key, line in LINES[command].items() if not text.startswith(key))
+    Path("bad.toml").write_text("\n".join([*lines, text]))
+    refused(lambda: entered(command), words, capsys)
     assert not Path("b.db").exists()
 
 

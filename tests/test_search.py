@@ -146,47 +146,6 @@ def test_a_search_goes_on_where_it_stopped(found, store):
     assert np.array_equal(again.results, found.results)
 
 
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"points": 24}, "points must be a power of two"),
-        ({"parameters": [{"keys": ["a.b"], "from": 1, "to": 1}]}, "from must be less than to"),
-        ({"seeds": [1, 1]}, "seeds must be a list of different starts"),
-        ({"data": {"file": "none.csv", "result": "c_x"}}, "none.csv: cannot be read"),
-        ({"data": {"file": "drift.csv", "result": "c_z"}}, "must have columns c_z, error"),
-        ({"set": {"rods": {"count": 20}}}, "set must hold .* in quotes"),
-        ({"set": {"start.seed": 3}}, "start.seed is set twice at once"),
-        (
-            {"parameters": [{"keys": ["box.length"], "from": 41, "to": 60}]},
-            "box.length is set twice at once, by set, parameters, data or seeds",
-        ),
-        ({"parameters": PARAMETERS[:1] * 2}, "parameters must be there, with different names"),
-        ({"parameters": [PARAMETERS[0], {**PARAMETERS[0], "name": "mu"}]}, "friction is set twice"),
-    ],
-)
-def test_what_cannot_be_searched_is_refused(tmp_path, changes, message):
-    with pytest.raises(ValueError, match=message):
-        expand(tables(tmp_path, **changes), BASE, tmp_path)
-
-
-@pytest.mark.parametrize(
-    ("row", "message"),
-    [
-        ("45,1,0.1,", "row 6, must have 3 numbers or empty cells, got 45, 1, 0.1, "),
-        ("45,nan,0.1", "row 6, must have 3 numbers or empty cells, got 45, nan, 0.1"),
-        ("45,-nan,0.1", "row 6, must have 3 numbers or empty cells, got 45, -nan, 0.1"),
-        ("45,inf,1", "row 6, c_x_cm_s must be finite, got inf"),
-        ("45,1,", "row 6, error must be > 0 and finite, got nan"),
-    ],
-)
-def test_a_row_that_cannot_be_is_refused_with_its_line(tmp_path, row, message):
-    given = tables(tmp_path)
-    with (tmp_path / "drift.csv").open("a") as data:
-        data.write(f"{row}\n")
-    with pytest.raises(ValueError, match=message):
-        expand(given, BASE, tmp_path)
-
-
 @pytest.mark.parametrize(("key", "low"), [("rods.length", -3.0), ("step.size", 0.1)])
 def test_a_point_that_cannot_run_is_named(tmp_path, key, low):
     wrong = [{"name": "x", "keys": [key], "from": low, "to": low + 0.5}]
