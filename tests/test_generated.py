@@ -10,7 +10,6 @@ from numba import njit
 from numpy.random import default_rng
 from numpy.testing import assert_array_equal
 
-import impact
 from derivations import closed_forms, files, rewrites
 from derivations.equality import random_point
 from impact import compiled
@@ -143,13 +142,3 @@ def test_compiled_map_keeps_the_contract_on_odd_arguments():
     ):
         with np.errstate(all="raise"):
             _same_bits(compiled.collide(**i.arguments()), i.collide())
-
-
-def test_no_kernel_is_compiled_with_fast_math():
-    compiled.collide(np.ones(3), -2.0, geometry=impact.thin_rod(0.4), friction=0.3, restitution=0.5)
-    texts = compiled._loop("newton").inspect_llvm().values()
-    assert texts
-    for text in texts:
-        assert "fmul double" in text
-        assert " fast " not in text
-        assert "contract" not in text

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 import md
-from md import simulation
 
 from .command_line import each_signal, ended
 from .rows import ROW, ring, row, sets
@@ -107,23 +106,6 @@ def test_a_longer_run_begins_with_a_shorter_one(whole, path):
     for other in ("start.seed=5", "step.size=1e-4"):
         with pytest.raises(ValueError, match="belongs to another scene, or to another step of it"):
             whole.again(other, checkpoint=path)
-
-
-def test_a_checkpoint_that_is_not_finished_leaves_the_old_one(whole, path, monkeypatch):
-    """From which the run goes on."""
-    whole.again(periods=1, checkpoint=path)
-    old = path.read_bytes()
-
-    def half(file, **_):
-        file.write(b"PK half a checkpoint")
-        raise MemoryError
-
-    with monkeypatch.context() as patch:
-        patch.setattr(simulation.np, "savez", half)
-        with pytest.raises(MemoryError):
-            whole.again(periods=3, checkpoint=path)
-    assert path.read_bytes() == old
-    assert whole.again(checkpoint=path) == whole.bits
 
 
 def test_a_run_without_an_account_of_the_energy_goes_on_without_one(path):
