@@ -1,7 +1,5 @@
 """Random impacts and their comparison with the independent integration."""
 
-from typing import NamedTuple
-
 import numpy as np
 import pytest
 from numpy.random import default_rng
@@ -17,31 +15,12 @@ EPS = np.finfo(float).eps
 each_law = pytest.mark.parametrize("law", LAWS)
 
 
-class Impacts(NamedTuple):
-    """Arguments of many impacts, one array each."""
-
-    c_x: np.ndarray
-    c_z: np.ndarray
-    omega: np.ndarray
-    X: np.ndarray
-    Z: np.ndarray
-    k: np.ndarray
-    friction: np.ndarray
-    restitution: np.ndarray
-    plate_velocity: np.ndarray
-
-    def given(self):
-        """Arguments as compiled kernels take them."""
-        return compiled.Impacts(**self._asdict())
-
-    def arguments(self):
-        """Arguments as the functions of `impact` take them."""
-        given = self._asdict()
-        return given | {"geometry": impact.ContactGeometry(*map(given.pop, ("X", "Z", "k")))}
+class Impacts(compiled.Impacts):
+    """Arguments of many impacts, one array each, as compiled kernels take them."""
 
     def collide(self, law="newton", collide=impact.collide):
         """What `impact`, or another implementation, says about them."""
-        return collide(**self.arguments(), law=law)
+        return super().collide(collide, law)
 
     def mirrored(self):
         """Their mirror images, in the plane across the plate."""
@@ -75,7 +54,7 @@ def everyday(n, seed):
     rng = default_rng(seed)
     X, Z, k = geometries(rng, n)
     c_x, c_z, spin, plate = rng.uniform(-2, 2, (4, n))
-    return Impacts(c_x, c_z, spin / k, X, Z, k, rng.uniform(0, 10, n), rng.uniform(0, 1, n), plate)
+    return Impacts(c_x, c_z, spin / k, plate, X, Z, k, rng.uniform(0, 10, n), rng.uniform(0, 1, n))
 
 
 def wide(n, seed):
@@ -84,7 +63,7 @@ def wide(n, seed):
     X, Z, k = geometries(rng, n)
     sizes = 10 ** rng.uniform(-3, 3, (5, n))
     c_x, c_z, spin, plate = sizes[:4] * rng.choice([-1, 1], (4, n))
-    return Impacts(c_x, c_z, spin / k, X, Z, k, sizes[4], rng.uniform(0, 1, n), plate)
+    return Impacts(c_x, c_z, spin / k, plate, X, Z, k, sizes[4], rng.uniform(0, 1, n))
 
 
 def simple(n, seed):
@@ -92,7 +71,7 @@ def simple(n, seed):
     numbers = default_rng(seed).integers(-4, 5, (9, n)) / 2
     c_x, c_z, omega, X, Z, k, friction, restitution, plate = numbers
     bounded = np.abs(k) + 0.5, np.abs(friction), np.abs(restitution) / 2
-    return Impacts(c_x, c_z, omega, X, Z, *bounded, plate)
+    return Impacts(c_x, c_z, omega, plate, X, Z, *bounded)
 
 
 def every(**values):

@@ -249,7 +249,7 @@ def t20_a_mass_in_a_point(theirs):
     k = rng.choice([5e-324, 1e-300, 1e-155, 1e-80, 1e-60, 1.0], 20_000)
     friction = rng.choice([0.0, 0.3, 1e-20, 1e40, 1e300, np.inf], 20_000)
     for law in laws_of(theirs):
-        impacts = sampling.Impacts(c_x, c_z, omega, X, Z, k, friction, 0.5, 0.0)
+        impacts = sampling.Impacts(c_x, c_z, omega, 0.0, X, Z, k, friction, 0.5)
         assert not np.isnan(impacts.collide(law, theirs.collide)).any()
 
 

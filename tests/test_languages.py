@@ -158,7 +158,7 @@ def test_an_impact_has_the_same_bits(run, law):
     i = impacts(n, seed=71)
     want = i.collide(law)
     assert np.bincount(want.regime, minlength=4).min() > n / 100
-    same(call("collide", law, i.given()), want)
+    same(call("collide", law, i), want)
 
 
 def same_pairs(call, law, first, second, how):
@@ -184,7 +184,7 @@ def test_the_path_turns_where_forward_slip_ends(run):
     """It goes straight on in a slide, else turns at no slip, as far as all laws go together."""
     call, n = run
     i = impacts(n, seed=73)
-    u, v, P_x, P_z = call("path", LAWS[0], i.given())
+    u, v, P_x, P_z = call("path", LAWS[0], i)
     hit, finite = i.collide(), np.isfinite(i.friction)
     slides, stops = (finite & (hit.regime == code) for code in (1, 2))
     assert_array_equal(P_z[slides], hit.P_z[slides])
@@ -266,7 +266,7 @@ def test_what_is_out_of_its_domain_is_invalid_as_in_python(run, law):
     i = sampling.Impacts(*map(spoiled, sampling.everyday(4_000, seed=76)))
     want = i.collide(law)
     assert 0.3 < np.mean(want.regime == impact.Regime.INVALID) < 0.7
-    same(call("collide", law, i.given()), want)
+    same(call("collide", law, i), want)
     *bodies, how = test_pairs.pairs(4_000, seed=77)
     bodies = (body._make(map(spoiled, body)) for body in bodies)
     how = {name: spoiled(column) for name, column in how.items()}
