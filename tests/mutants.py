@@ -6,10 +6,10 @@ of an inequality scaled. An entry with a changed form must lose its verdict, and
 must cost some entry that rests on it its proof. Changes that say the same are counted apart.
 """
 
+from collections import namedtuple
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial, wraps
-from typing import Literal
 
 import sympy as sp
 
@@ -19,7 +19,6 @@ from derivations.proof import Equation
 from derivations.registry import ENTRIES
 
 Relational = sp.core.relational.Relational
-Outcome = Literal["caught", "equivalent", "survived"]
 
 FACTOR = sp.Rational(8, 7)
 COMPARED = {"IV: Coulomb, stick": "sign", "V: closure": "zero"}  # with zero: sign alone, or none
@@ -69,14 +68,9 @@ def assuming(axiom, form):
             axiom.form = usual
 
 
-@dataclass(frozen=True, slots=True)
-class Mutant:
-    """A changed form, and what became of the proofs."""
-
-    tag: str  # of the entry or axiom
-    side: str  # printed, derived or axiom
-    change: str  # in words
-    outcome: Outcome
+# A changed form: tag of the entry or axiom; its side (printed, derived or axiom); the change in
+# words; and what became of the proofs (caught, equivalent or survived).
+Mutant = namedtuple("Mutant", "tag side change outcome")
 
 
 def _at(form, path, new):
@@ -157,7 +151,7 @@ def _tried(entry, side, form):
 
     assert proved(form)
     for what, new in changes(form):
-        outcome: Outcome = "caught"
+        outcome = "caught"
         if proved(new):
             outcome = "equivalent" if says_the_same(new, form) else "survived"
         yield Mutant(entry.tag, side, what, outcome)
@@ -175,7 +169,7 @@ def of_axiom(axiom):
     resting = [e for e in ENTRIES if isinstance(e, Equation) and axiom.tag in e.rests_on]
     usual = axiom.form
     for what, new in changes(usual):
-        outcome: Outcome = "caught"
+        outcome = "caught"
         with assuming(axiom, new):
             if all(entry.prove().ok for entry in resting):
                 same = says_the_same(new, usual, COMPARED.get(axiom.tag, ""))

@@ -15,9 +15,8 @@ class Page(HTMLParser):
 
     def __init__(self, source):
         super().__init__()
-        self.open: list[tuple[str, str]] = []
+        self.open, self.text = [], {}
         self.ids, self.links, self.headings, self.images, self.tags = [], [], [], [], set()
-        self.text: dict[str, str] = {}
         self.feed(source)
         self.close()
         assert not self.open

@@ -1,8 +1,8 @@
 """An effect that a scene leaves out has no code, no memory and no part in the result."""
 
 import re
+from collections import namedtuple
 from operator import attrgetter
-from typing import Any, NamedTuple
 
 import numba
 import numpy as np
@@ -32,12 +32,8 @@ def fresh(kernel):
     return numba.njit(error_model="numpy", _nrt=False)(kernel.py_func)
 
 
-class Text(NamedTuple):
-    """Text of a kernel compiled for some arguments, and that of its own function."""
-
-    arguments: dict[str, Any]
-    whole: str
-    body: str
+# Text of a kernel compiled for some arguments, by their names, and that of its own function.
+Text = namedtuple("Text", "arguments whole body")
 
 
 def text_of(kernel, **arguments):

@@ -26,7 +26,7 @@ def imported(name, path, known):
     A package of ours stands for its `__init__`, which imports what it collects: only its own import
     of a module makes an edge, not that a module lies in it.
     """
-    found: set[str] = set()
+    found = set()
     for node in ast.walk(ast.parse(path.read_text("utf-8"))):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}

@@ -1,7 +1,6 @@
 """The site's pages, without Sphinx, which `make docs` alone needs: it takes warnings for errors."""
 
 import re
-from pathlib import Path
 
 import matplotlib.pyplot as plt
 import pytest
@@ -15,7 +14,7 @@ from .test_documentation import PUBLIC
 NOTEBOOKS = {page.stem: page for page in (DOCS / "notebooks").glob("*.md")}
 
 
-def cells(page: Path) -> list[str]:
+def cells(page):
     """Code of a notebook, cell by cell."""
     return re.findall(r"```\{code-cell\}\n(.*?)```", page.read_text("utf-8"), re.DOTALL)
 
@@ -47,7 +46,7 @@ def test_cells_compile(name):
 @pytest.mark.parametrize("name", ["impact", "derivation"])
 def test_cheap_notebooks_run(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    names: dict = {}
+    names = {}
     try:
         for cell in cells(NOTEBOOKS[name]):
             exec(compile(cell, name, "exec"), names)
