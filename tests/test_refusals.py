@@ -25,7 +25,7 @@ from md.sweep import execute, expand
 
 from .command_line import entered, read_toml, refused
 from .test_help import ALL
-from .test_store import filled
+from .test_store import database, filled
 
 TABLES = read_toml("tests/refusals.toml")
 LINES = TABLES.pop("lines of a file that has none of its own")
@@ -54,6 +54,10 @@ def folder(tmp_path_factory):
 def fill():
     """Make the files."""
     filled("a.db")
+    database("other.db", "CREATE TABLE mine (x)")
+    for version in (1, 99):
+        filled(f"v{version}.db")
+        database(f"v{version}.db", f"PRAGMA user_version={version}")
     Path("theirs").mkdir()
     for name, text in FILES.items():
         Path(name).write_text(text)

@@ -57,30 +57,6 @@ def database(path, *statements):
             other.execute(statement)
 
 
-@pytest.mark.parametrize(
-    ("make", "message"),
-    [
-        (lambda path: path.write_bytes(b"hello, I am a text file" * 50), "is not a store"),
-        (lambda path: database(path, "CREATE TABLE mine (x)"), "not one of runs"),
-        (lambda path: versioned(path, 1), r"another version of md \(1, not 2\), .*a new file"),
-        (lambda path: versioned(path, 99), r"another version of md \(99, not 2\), .*a new file"),
-    ],
-)
-def test_a_file_that_is_not_a_store_of_this_version_is_left_alone(path, make, message):
-    make(path)
-    before = path.read_bytes()
-    for write in (True, False):
-        with pytest.raises(StoreError, match=message):
-            Store(path, write)
-    assert path.read_bytes() == before
-
-
-def versioned(path, version):
-    """A store of another version."""
-    Store(path).database.close()
-    database(path, f"PRAGMA user_version={version}")
-
-
 def test_a_folder_is_made_to_be_written(tmp_path):
     Store(tmp_path / "new" / "a.db").database.close()
     assert (tmp_path / "new" / "a.db").is_file()
