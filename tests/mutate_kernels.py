@@ -20,6 +20,7 @@ import shutil
 import subprocess
 import sys
 from collections import Counter
+from copy import deepcopy
 from functools import cache, partial
 from pathlib import Path
 from time import perf_counter
@@ -48,6 +49,7 @@ class Place(NamedTuple):
 
     key: str  # package, function, number of the change in it
     path: Path  # in the tree
+    module: ast.Module
     old: ast.expr
     new: ast.AST
 
@@ -98,7 +100,8 @@ def places(tree):
     """All places of a tree; functions of one name are numbered in the order of their files."""
     count = Counter()
     for path in sorted(p for package in PACKAGES for p in (tree / package).rglob("*.py")):
-        nodes = ast.walk(ast.parse(path.read_text())) if path.name != "__main__.py" else ()
+        module = ast.parse(path.read_text())
+        nodes = ast.walk(module) if path.name != "__main__.py" else ()
         for function in (n for n in nodes if isinstance(n, ast.FunctionDef) and is_kernel(n)):
             here = path.relative_to(tree)
             name = f"{here.parts[0]}.{function.name}"
@@ -106,7 +109,7 @@ def places(tree):
             name += f"({count[name]})" if count[name] > 1 else ""
             changes = (new for node in body(ast.Module(function.body)) for new in mutants(node))
             for number, (old, new) in enumerate(changes, 1):
-                yield Place(f"{name}#{number}", here, old, new)
+                yield Place(f"{name}#{number}", here, module, old, new)
 
 
 def files_of(tree, place):
@@ -126,14 +129,8 @@ def files_of(tree, place):
 
 def mutate(tree, place):
     """Write the change into the source."""
-    path, old = tree / place.path, place.old
-    lines = path.read_bytes().splitlines(keepends=True)
-    first, last = old.lineno - 1, old.end_lineno - 1
-    text = ast.unparse(place.new)
-    text = text if isinstance(place.new, ast.stmt) else f"({text})"
-    after = lines[last][old.end_col_offset :]
-    lines[first : last + 1] = [lines[first][: old.col_offset] + text.encode() + after]
-    path.write_bytes(b"".join(lines))
+    changed = deepcopy(place.module, {id(place.old): place.new})
+    (tree / place.path).write_text(ast.unparse(changed))
 
 
 def exit_status(folder, files, edit, seconds=None):
@@ -152,10 +149,9 @@ def exit_status(folder, files, edit, seconds=None):
 
 
 def idle(tree):
-    """Append a line without effect to files of kernels."""
-    for path in {place.path for place in PLACES}:
-        with (tree / path).open("a") as file:
-            file.write("_ = None\n")
+    """Write files of kernels in the form of a mutant's, with a line without effect."""
+    for path in {tree / place.path for place in PLACES}:
+        path.write_text(f"{ast.unparse(ast.parse(path.read_text()))}\n_ = None\n")
 
 
 def drawn(place):
