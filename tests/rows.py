@@ -241,18 +241,18 @@ def images(rods, half, period):
         yield from ((i, j, n) for n in nearest if i < j or (i == j and n > 0))
 
 
-def elastic(rods, half=HALF, stiffness=SOFT, period=1e6):
+def elastic(rods, period=1e6):
     """Forces and torques on all rods without dashpots, by brute force.
 
     The contacts of all ends with the other axis, less those of all ends with each other.
     """
     total = np.zeros((len(rods), 3))
-    for i, j, n in images(rods, half, period):
-        ends, corners = meetings(rods, i, j, half, n * period)
+    for i, j, n in images(rods, HALF, period):
+        ends, corners = meetings(rods, i, j, HALF, n * period)
         contacts = [(1, places) for places in ends] + [(-1, places) for places in corners]
         for count, (p, q) in contacts:
             deep = max(overlap((p, q)), 0.0)
-            push = count * stiffness * deep**1.5 * unit(p - q)
+            push = count * SOFT * deep**1.5 * unit(p - q)
             centres = (
                 (i, rods[i, ROW_PLACE], push),
                 (j, rods[j, ROW_PLACE] + (n * period, 0), -push),

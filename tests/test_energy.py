@@ -254,11 +254,6 @@ def meeting(dt, offset):
     return started(ELASTIC_PLANE, rods, dt)
 
 
-def in_space_at(scene, rods, dt, _):
-    """An engine of the same rods whatever the part of a step."""
-    return started(scene, rods, dt)
-
-
 def near_ends(height, slant):
     """Rods in space within each other's reach, near their ends."""
     first = (0, 0, 0), (slant, 0, 1), (0, -0.1, 0.3)
@@ -287,7 +282,7 @@ ORDERS = {  # how they begin, time, samples of it, places of the touch in a step
     "end on side": (meeting, 0.12, 1, 24, (2e-3, 1e-3, 5e-4, 2.5e-4), 1.75),
     "past each other": (passing, 0.06, 1, 12, (2e-4, 1e-4, 5e-5, 2.5e-5), 1.75),
     **{
-        name: (partial(in_space_at, *rods), 0.08, 20, 1, (4e-4, 1e-4), 1.7)
+        name: (lambda dt, _, rods=rods: started(*rods, dt), 0.08, 20, 1, (4e-4, 1e-4), 1.7)
         for name, rods in IN_SPACE.items()
     },
 }

@@ -35,17 +35,17 @@ each_integrator = pytest.mark.parametrize("integrator", single.METHODS)
 each_explicit = pytest.mark.parametrize("integrator", ["leapfrog", "verlet"])
 
 
-def velocities(case, law, integrator, steps=100, offset=0.5, friction=0.4):
+def velocities(case, law, integrator, steps=100, offset=0.5):
     """(c_x, c_z, omega) after an impact with so many steps a contact."""
     tilt, velocity = case
     dt = None if integrator == "dop853" else CONTACT / steps
     how = {"integrator": integrator, "dt": dt, "offset": offset}
-    return np.array(md.impact(tilt, *velocity, friction=friction, law=law, **how)[:3])
+    return np.array(md.impact(tilt, *velocity, friction=0.4, law=law, **how)[:3])
 
 
-def impact_track(law, case=SLIP_STICK, integrator="leapfrog", steps=100, dt=None):
+def impact_track(law, integrator="leapfrog", steps=100, dt=None):
     """Every step of one impact without gravity, from the touch for two contact times."""
-    tilt, velocity = case
+    tilt, velocity = SLIP_STICK
     start = 0.0, ROD.half_length * cos(tilt) + 0.5, tilt, *velocity
     dt = dt or CONTACT / steps
     steps = ceil(2 * CONTACT / dt)

@@ -172,19 +172,18 @@ log = true
 [[data]]
 file = "tilt_deg.csv"
 result = "tilt_deg"
+[[data]]
+file = "drift.csv"
+result = "c_x"
 """
-
-
-def command(folder, text):
-    (folder / "fit.toml").write_text(text)
-    (folder / "drift.csv").write_text("box.length,c_x,error\n3.0,,\n")
-    (folder / "tilt_deg.csv").write_text("box.length,tilt_deg,error\n3.0,45,5\n")
-    return "md search --workers 1", folder / "fit.toml", "--store", folder / "runs.db"
 
 
 def test_the_command_searches_a_file(tmp_path, capsys):
     """Of two files; a place without data is predicted, its value, which JSON lacks, is null."""
-    asked = command(tmp_path, f'{FILE}[[data]]\nfile = "drift.csv"\nresult = "c_x"\n')
+    (tmp_path / "fit.toml").write_text(FILE)
+    (tmp_path / "drift.csv").write_text("box.length,c_x,error\n3.0,,\n")
+    (tmp_path / "tilt_deg.csv").write_text("box.length,tilt_deg,error\n3.0,45,5\n")
+    asked = "md search --workers 1", tmp_path / "fit.toml", "--store", tmp_path / "runs.db"
     assert entered(*asked, "--json") == 0
     told = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
     misfits = [point["misfit"] for point in told["points"]]
