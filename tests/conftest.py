@@ -54,6 +54,12 @@ def pytest_collection_modifyitems(items):
             item.add_marker(pytest.mark.slow)
 
 
+def pytest_make_parametrize_id(val):
+    """What has a tag or a name has it in the name of its test."""
+    known = getattr(val, "tag", getattr(val, "name", None))
+    return known if isinstance(known, str) else None
+
+
 @pytest.fixture(scope="session", autouse=True)
 def rows_store(tmp_path_factory):
     """Figures compute their rows themselves, and leave nothing behind."""

@@ -12,7 +12,7 @@ from . import sampling
 from .sampling import EPS, LAWS, each_law
 
 
-@pytest.fixture(params=[sampling.wide, sampling.simple], ids=["wide", "simple"])
+@pytest.fixture(params=[sampling.wide, sampling.simple])
 def impacts(request):
     """Impacts over six decades, or on the edges of regimes."""
     return request.param(250_000, seed=13)

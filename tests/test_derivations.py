@@ -36,8 +36,8 @@ EDITS = read_toml("tests/edits.toml")["derivations"]
 BY_TAG = {entry.tag: entry for entry in registry.ENTRIES}
 NUMBERED = [str(n) for n in range(1, 32)] + [f"B{n}" for n in range(1, 13)]
 EQUATIONS = [entry for entry in registry.ENTRIES if isinstance(entry, Equation)]
-each_entry = pytest.mark.parametrize("entry", registry.ENTRIES, ids=lambda entry: entry.tag)
-each_equation = pytest.mark.parametrize("entry", EQUATIONS, ids=lambda entry: entry.tag)
+each_entry = pytest.mark.parametrize("entry", registry.ENTRIES)
+each_equation = pytest.mark.parametrize("entry", EQUATIONS)
 ERRATA = {entry.tag for entry in registry.mistakes() if isinstance(entry, Equation)}
 proved = cache(registry.proved)  # each proof is made once, for the report's tests as well
 

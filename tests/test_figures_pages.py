@@ -227,7 +227,7 @@ def test_commands_and_targets_that_are_named_exist():
 LINKED = [ROOT / "README.md", *sorted(gallery.GALLERY.glob("*.md")), *sorted(DOCS.rglob("*.md"))]
 
 
-@pytest.mark.parametrize("page", LINKED, ids=lambda page: page.name)
+@pytest.mark.parametrize("page", LINKED)
 def test_links_lead_somewhere(page):
     text = page.read_text("utf-8")
     for target, label in re.findall(r"\]\((?!http)([^)#]*)(?:#([^)]+))?\)", text):

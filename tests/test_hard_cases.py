@@ -258,7 +258,7 @@ CASES = [value for name, value in list(globals().items()) if name[0] == "t" and 
 PASSES = {t14_long_levers, t17_friction_that_hardly_stops_the_slip}
 
 
-@pytest.mark.parametrize("case", CASES, ids=lambda case: case.__name__)
+@pytest.mark.parametrize("case", CASES)
 def test_hard_case(case):
     """Ours passes, the straightforward formulas do not."""
     case(impact)

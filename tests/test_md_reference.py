@@ -111,7 +111,7 @@ class SoftRod:
 LAWS = [md.coulomb(), md.constant_restitution()]
 CASES = [(SLIDE, "slide"), (SLIP_STICK, "slip-stick"), (REVERSAL, "slip-reversal")]
 each_regime = pytest.mark.parametrize(("case", "regime"), CASES)
-each_law = pytest.mark.parametrize("law", LAWS, ids=lambda law: law.name)
+each_law = pytest.mark.parametrize("law", LAWS)
 
 
 def followed(law, case, finer=1):

@@ -33,9 +33,7 @@ from .test_derivations import EQUATIONS, each_entry, each_equation, proved
 
 CHILDREN = {"mfrac": 2, "msub": 2, "msup": 2, "mroot": 2, "msubsup": 3, "mover": 2, "munderover": 3}
 KNOWN = {"math", "mrow", "mi", "mn", "mo", "mspace", "msqrt", "mtable", "mtr", "mtd", *CHILDREN}
-each_function = pytest.mark.parametrize(
-    "function", closed_forms.FUNCTIONS, ids=lambda function: function.name
-)
+each_function = pytest.mark.parametrize("function", closed_forms.FUNCTIONS)
 
 
 @pytest.fixture(scope="module")
@@ -198,7 +196,7 @@ def test_a_solved_equation_is_shown_as_it_is():
     assert shown > 20
 
 
-@pytest.mark.parametrize("entry", [x for x in EQUATIONS if x.repair and x.own], ids=lambda x: x.tag)
+@pytest.mark.parametrize("entry", [x for x in EQUATIONS if x.repair and x.own])
 def test_what_is_shown_as_derived_has_all_repairs(entry):
     lines = report._lines_of(entry, "As derived", entry.readable())
     put = entry.put()
@@ -228,7 +226,7 @@ def test_functions_show_rules_reasons_and_operations(page, function):
         assert plain(rule.why) in text
 
 
-@pytest.mark.parametrize("drawing", drawings.DRAWINGS.values(), ids=lambda drawing: drawing.name)
+@pytest.mark.parametrize("drawing", drawings.DRAWINGS.values())
 def test_drawings_are_in_the_page(source, page, prepared, drawing):
     svg = prepared["svg"][drawing.name]
     assert ElementTree.fromstring(svg).get("aria-label") == drawing.title
