@@ -38,7 +38,6 @@ def _ratio(drifts, periods):
     return kept.mean(axis=1).std(ddof=1) / _rms_error(kept)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in SCENES if name not in ("annulus", "Gamma 2")])
 def test_errors_are_as_large_as_the_scatter_between_starts(name):
     """Their ratio is 0.8 to 1.25 from 128 periods on, to one error of it, 1/sqrt(2 50).
@@ -53,7 +52,6 @@ def test_errors_are_as_large_as_the_scatter_between_starts(name):
         assert 0.8 / 1.1 < _ratio(drifts, periods) < 1.25 * 1.1
 
 
-@pytest.mark.slow
 def test_a_drift_that_goes_with_the_change_of_tilt_has_a_rather_large_error():
     """At Gamma 2 rods drift faster while their tilt grows, which comes back within 20 periods.
 
@@ -73,7 +71,6 @@ def test_a_drift_that_goes_with_the_change_of_tilt_has_a_rather_large_error():
             assert 0.8 * (1 - margin) < scatter / told < 1.25 * (1 + margin)
 
 
-@pytest.mark.slow
 def test_an_annulus_does_not_forget_its_start():
     """Twelve runs, walls at rest, scatter by far more than each of them lets one think."""
     drifts, _ = _starts("annulus", 12, 2000)

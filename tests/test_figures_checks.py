@@ -373,7 +373,6 @@ def test_the_table_of_the_other_program_is_of_whole_sets_of_starts():
     assert_allclose(data("two_codes")["other_c_x"], found[0].mean(axis=-1))
 
 
-@pytest.mark.slow
 def test_two_programs_give_one_answer(tmp_path, monkeypatch):
     """Within four errors; touches within 6 %, as each program ends a touch by a rule of its own."""
     monkeypatch.setattr(runs, "STORE", tmp_path / "rows.db")

@@ -209,7 +209,6 @@ def test_commands_run(command, tmp_path, monkeypatch, capsys):
     assert capsys.readouterr().out
 
 
-@pytest.mark.slow
 def test_longer_commands_run(tmp_path, monkeypatch, capsys):
     for command in (one for one in LONGER if "--scheduler" not in one):
         test_commands_run(command, tmp_path, monkeypatch, capsys)

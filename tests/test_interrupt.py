@@ -329,7 +329,6 @@ LONG = {
 }
 
 
-@pytest.mark.slow
 @each_signal
 @pytest.mark.parametrize("name", LONG)
 def test_a_signal_at_any_time_ends_the_command(name, number, tmp_path):

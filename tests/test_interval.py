@@ -122,7 +122,7 @@ def followed(starts, tolerance, confidence=0.95):
 
 
 @pytest.mark.parametrize("memory", [0.0, 0.5, 0.7])
-@pytest.mark.parametrize("length", [300, pytest.param(1500, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("length", [300, 1500])
 def test_runs_that_end_by_their_own_interval_hold_the_mean_as_often_as_they_say(memory, length):
     """Of 400 runs 92 to 98 in a hundred hold it, to two standard deviations of so many."""
     random, hits, unsettled = default_rng(5), 0, 0

@@ -8,7 +8,6 @@ from itertools import product
 
 import mpmath
 import numpy as np
-import pytest
 from numpy.random import default_rng
 
 from derivations import files, kernel, trials
@@ -151,7 +150,6 @@ def test_mistakes_in_the_code_are_caught():
         assert caught(*mistake)
 
 
-@pytest.mark.slow
 def test_all_mistakes_but_those_that_change_nothing_are_caught():
     assert {(name, new) for name, old, new in MISTAKES if not caught(name, old, new)} == ALIKE
 

@@ -33,7 +33,6 @@ def test_no_deliberate_mistake_keeps_its_verdict(monkeypatch):
     assert sum(mutant.outcome == "caught" for mutant in found) > 20
 
 
-@pytest.mark.slow
 def test_no_deliberate_mistake_at_all_keeps_its_verdict():
     found = list(chain.from_iterable(trial() for trial in mutants.trials()))
     assert len(found) > 2000
@@ -57,7 +56,6 @@ def test_a_sign_turned_in_a_step_ends_as_a_row(step):
     assert trace.STEPS[step].__doc__
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("step", sorted(set(trace.STEPS) - set(FEW_STEPS)))
 def test_a_sign_turned_in_any_step_ends_as_a_row(step):
     test_a_sign_turned_in_a_step_ends_as_a_row(step)

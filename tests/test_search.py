@@ -86,7 +86,6 @@ def test_parameters_are_recovered_and_carried_to_what_is_predicted(found):
     assert results[-1].error > results[0].error  # far from all data
 
 
-@pytest.mark.slow
 def test_stated_errors_are_those_of_many_data_sets(found):
     """Data that scatter by their errors: estimates scatter by theirs."""
     random, off = default_rng(4), []

@@ -268,9 +268,7 @@ LONG = SWEEP.replace("20", "400").replace("[1, 2]", "{ from = 1, to = N, count =
     ("starts", "kills"),
     [
         ("5", [signal.SIGKILL]),
-        pytest.param(
-            "20", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT] * 7, marks=pytest.mark.slow
-        ),
+        ("20", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT] * 7),
     ],
 )
 def test_kills_at_random_times_lose_nothing(tmp_path, path, starts, kills):

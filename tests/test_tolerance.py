@@ -179,7 +179,6 @@ def test_a_run_says_whether_its_drift_trends(slope, periods):
     assert ("not settled: drift or falls trend" in result_text(result)) == (expected is False)
 
 
-@pytest.mark.slow
 def test_an_annulus_is_seen_to_settle():
     """Of the one that ships 600 periods trend behind a fifth, and not behind what is left out.
 

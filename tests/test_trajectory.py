@@ -34,7 +34,7 @@ def parsed(path):
     return frames
 
 
-@pytest.fixture(params=[row, ring, pytest.param(partial(ring, *ROLLING), marks=pytest.mark.slow)])
+@pytest.fixture(params=[row, ring, partial(ring, *ROLLING)])
 def written(request, tmp_path):
     """A scene, the state of its rods after a period, and the file of its run."""
     scene, path = request.param(), tmp_path / "a.xyz"
