@@ -52,9 +52,9 @@ def names_in(folder):
     return {path.name for path in folder.iterdir()}
 
 
-def refused(call, word, capsys):
+def refused(capsys, word, line, *more):
     """Check one line on stderr, with the word in it, nothing on stdout, exit code 2; the line."""
-    assert call() == 2
+    assert entered(line, *more) == 2
     printed = capsys.readouterr()
     assert printed.out == ""
     assert printed.err.count("\n") == 1

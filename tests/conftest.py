@@ -69,6 +69,13 @@ def rows_store(tmp_path_factory):
 
 
 @pytest.fixture
+def here(tmp_path, monkeypatch):
+    """An empty folder, in which the test works."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
 def path(tmp_path):
     """File of a store that is not there yet."""
     return tmp_path / "a.db"

@@ -191,9 +191,8 @@ WITH_EXAMPLES = [
 
 
 @pytest.mark.parametrize("name", WITH_EXAMPLES)
-def test_examples_run(name, tmp_path, monkeypatch):
+def test_examples_run(name, here):
     """Examples in docstrings run as they stand, in an empty folder."""
-    monkeypatch.chdir(tmp_path)
     found = doctest.testmod(importlib.import_module(name))
     plt.close("all")
     assert found.attempted > 0

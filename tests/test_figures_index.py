@@ -196,11 +196,11 @@ def test_claims_that_cannot_be_read_cost_a_line(text, tmp_path):
 def test_folders_that_are_left_alone(tmp_path, monkeypatch, capsys):
     """Without anything to show, or that of the gallery itself."""
     (tmp_path / "rows.db").touch()
-    refused(lambda: entered("figures index --out", tmp_path), "something to show", capsys)
+    refused(capsys, "something to show", "figures index --out", tmp_path)
     monkeypatch.setattr(index, "GALLERY", tmp_path / "gallery")
     (tmp_path / "gallery").mkdir()
     picture(tmp_path / "fig10.png")
-    refused(lambda: entered("figures index --out", tmp_path), "gallery", capsys)
+    refused(capsys, "gallery", "figures index --out", tmp_path)
     assert names_in(tmp_path) == {"rows.db", "gallery", "fig10.png"}
 
 

@@ -189,10 +189,9 @@ def test_examples_print_what_stands_below(code, output, capsys):
 
 
 @pytest.mark.parametrize("code", SCRIPTS)
-def test_scripts_of_the_guide_run(code, tmp_path, monkeypatch):
+def test_scripts_of_the_guide_run(code, here, monkeypatch):
     """In an empty folder, short; a law that one adds is gone behind it."""
     monkeypatch.setitem(sys.modules, "distributed", None)  # an extra that no script needs
-    monkeypatch.chdir(tmp_path)
     laws = {**md.LAWS}
     try:
         exec(compile(code.replace("130", "5"), "the guide", "exec"), {})
@@ -203,16 +202,15 @@ def test_scripts_of_the_guide_run(code, tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("command", [c for c in COMMANDS if not set(SLOW) & set(c.split())])
-def test_commands_run(command, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
+def test_commands_run(command, here, capsys):
     assert entered(command) == 0
     assert capsys.readouterr().out
 
 
-def test_longer_commands_run(tmp_path, monkeypatch, capsys):
+def test_longer_commands_run(here, capsys):
     for command in (one for one in LONGER if "--scheduler" not in one):
-        test_commands_run(command, tmp_path, monkeypatch, capsys)
-    assert len((tmp_path / "drift.csv").read_text().splitlines()) == 22
+        test_commands_run(command, here, capsys)
+    assert len((here / "drift.csv").read_text().splitlines()) == 22
 
 
 def test_commands_and_targets_that_are_named_exist():

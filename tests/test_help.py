@@ -68,8 +68,7 @@ def test_examples_are_commands(words):
 
 
 @pytest.mark.parametrize("beginning", CHEAP)
-def test_cheap_examples_run(beginning, capsys, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_cheap_examples_run(beginning, capsys, here):
     cheap = [words for words in EXAMPLES if " ".join(words).startswith(beginning)]
     assert cheap
     for words in cheap:
@@ -80,7 +79,7 @@ def test_cheap_examples_run(beginning, capsys, tmp_path, monkeypatch):
 @pytest.mark.parametrize("name", ALL)
 def test_bad_usage_begins_with_the_command(name, capsys):
     """An unknown option costs one line and exit code 2."""
-    refused(lambda: entered(name, "--nonsense"), f"python -m {name}: No such", capsys)
+    refused(capsys, f"python -m {name}: No such", name, "--nonsense")
 
 
 ENDS = [
@@ -96,9 +95,8 @@ DONE = {  # a command, and the function that does its work
 
 
 @pytest.fixture(params=DONE)
-def failing(request, tmp_path, monkeypatch):
+def failing(request, here, monkeypatch):
     """A command, how it is called, and what fails in the midst of its work, as a mock."""
-    monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(DONE[request.param], work := Mock())
     return " ".join(request.param.split()[:2]), lambda: entered(request.param), work
 

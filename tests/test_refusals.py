@@ -90,7 +90,7 @@ def test_nonsense_is_refused_in_one_line(folder, capsys, command, words):
     package, *inner = command.split()[:2]
     name = " ".join([package, *inner])
     before = contents(folder)
-    err = refused(lambda: entered(command), words, capsys)
+    err = refused(capsys, words, command)
     assert err.startswith(f"python -m {name if name in ALL else package}: ")
     assert contents(folder) == before
 
@@ -99,7 +99,7 @@ def test_nonsense_is_refused_in_one_line(folder, capsys, command, words):
 def test_a_file_that_asks_for_nonsense_is_refused_in_one_line(capsys, command, text, words):
     lines = (line for key, line in LINES[command].items() if not text.startswith(key))
     Path("bad.toml").write_text("\n".join([*lines, text]))
-    refused(lambda: entered(command), words, capsys)
+    refused(capsys, words, command)
     assert not Path("b.db").exists()
 
 

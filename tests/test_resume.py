@@ -130,12 +130,11 @@ def times(file):
 
 
 @pytest.fixture
-def begun(tmp_path, monkeypatch):
+def begun(here):
     """Checkpoints after 20 periods, with a trajectory and without."""
-    monkeypatch.chdir(tmp_path)
     run(20, trajectory="a.xyz")
     run(20, "alone.npz")
-    return tmp_path
+    return here
 
 
 def test_frames_behind_an_older_checkpoint_are_made_again(begun):

@@ -44,8 +44,7 @@ def test_cells_compile(name):
 
 
 @pytest.mark.parametrize("name", ["impact", "derivation"])
-def test_cheap_notebooks_run(name, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_cheap_notebooks_run(name, here):
     names = {}
     try:
         for cell in cells(NOTEBOOKS[name]):

@@ -47,7 +47,7 @@ def test_two_writers_share_a_store(path):
 def test_a_row_that_was_edited_by_hand_costs_one_line(path, capsys):
     filled(path)
     database(path, "UPDATE runs SET result = 'oops'")
-    refused(lambda: entered("md results", path), "a.db cannot be read: Exp", capsys)
+    refused(capsys, "a.db cannot be read: Exp", "md results", path)
 
 
 def database(path, *statements):
@@ -89,8 +89,7 @@ def test_a_store_in_a_read_only_folder_is_read(capsys):
             assert store.result("k") == {"c_x": 0.5}
         assert entered("md results", folder / "a.db") == 0
         assert "0.5" in capsys.readouterr().out
-        command = "md sweep drift --store", folder / "a.db"
-        refused(lambda: entered(*command), "a.db cannot be written", capsys)
+        refused(capsys, "a.db cannot be written", "md sweep drift --store", folder / "a.db")
         assert names_in(folder) == {"a.db"}
 
 
