@@ -35,10 +35,10 @@ def python(*words, cwd=ROOT, **environment):
     return called(sys.executable, *words, cwd=cwd, env=env)
 
 
-def entered(line, *more):
-    """Exit code of a command line such as "md results", and what else it ends with, run here."""
+def enter(line, *more, code=0):
+    """Run a command line such as "md results", and what else it ends with; check its exit code."""
     package, *words = line.split()
-    return import_module(f"{package}.__main__").main([*words, *map(str, more)])
+    assert import_module(f"{package}.__main__").main([*words, *map(str, more)]) == code
 
 
 def left(folder):
@@ -54,7 +54,7 @@ def names_in(folder):
 
 def refused(capsys, word, line, *more):
     """Check one line on stderr, with the word in it, nothing on stdout, exit code 2; the line."""
-    assert entered(line, *more) == 2
+    enter(line, *more, code=2)
     printed = capsys.readouterr()
     assert printed.out == ""
     assert printed.err.count("\n") == 1

@@ -29,7 +29,7 @@ from derivations import (
 from derivations import symbols as s
 from derivations.proof import Equation
 
-from .command_line import entered, read_toml
+from .command_line import enter, read_toml
 from .mutants import derived_again
 
 EDITS = read_toml("tests/edits.toml")["derivations"]
@@ -323,7 +323,8 @@ def test_unplain_arithmetic_is_not_generated(square, monkeypatch):
 
 def test_check_prints_a_table_and_json_for_machines(monkeypatch, capsys):
     monkeypatch.setattr(registry, "ENTRIES", (BY_TAG["8"], kernel.CODE[1], BY_TAG["12"]))
-    assert entered("derivations check") == entered("derivations check --json") == 0
+    enter("derivations check")
+    enter("derivations check --json")
     table, _, rows = capsys.readouterr().out.partition(
         "3 entries: 1 agrees, 1 new, 1 erratum; 0 not proved"
     )

@@ -19,7 +19,7 @@ from figures.pages import gallery
 from md.host import step_of
 from md.placement import largest_tilt
 
-from .command_line import entered, names_in
+from .command_line import enter, names_in
 from .quick_figures import data, tiny
 
 CLAIMS = limits.read()
@@ -331,7 +331,7 @@ def test_the_command_judges_claims(tmp_path, monkeypatch):
     with tiny() as patch:
         patch.setattr(measure_rows, "gear_from_leapfrog", lambda: np.eye(2))  # another test has it
         patch.setattr("figures.lib.data.load", lambda name: Mock(data=lambda quick: data(name)))
-        assert entered("figures claims --quick --out", tmp_path, "--store", runs.STORE) == 0
+        enter("figures claims --quick --out", tmp_path, "--store", runs.STORE)
     assert names_in(tmp_path) == {"alpha.npz", "fig02.npz", "claims.json", "claims.md"}
     report = judge.load(tmp_path / "claims.json")
     for claim in report["claims"]:

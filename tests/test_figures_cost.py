@@ -28,7 +28,7 @@ from figures.lib.data import keep, made
 from figures.lib.soft_impacts import one_impact
 from md.accuracy import steps_per_contact
 
-from .command_line import entered, names_in
+from .command_line import enter, names_in
 from .quick_figures import FEW_EFFECTS, SIZES, check_figure, data, each_of, tiny
 from .sampling import LAWS, Impacts, each_law
 
@@ -296,7 +296,7 @@ def test_the_command_writes_the_page_and_the_figures(tmp_path):
     with tiny() as patch:
         for name in PRICED:
             patch.setattr(figures.load(name), "data", Mock(return_value=data(name)))
-        assert entered("figures prices --out", tmp_path) == 0
+        enter("figures prices --out", tmp_path)
     assert (tmp_path / f"{first}.npz").read_bytes() == kept
     assert all(made(tmp_path / f"{name}.npz")["quick"] for name in others)
     names = {f"{name}.{kind}" for name in others for kind in ("npz", "png", "pdf")}

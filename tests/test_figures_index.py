@@ -23,7 +23,7 @@ from figures.lib.printing import plain
 from figures.pages import everything, gallery, index
 from md.store import Store
 
-from .command_line import entered, names_in, refused
+from .command_line import enter, names_in, refused
 from .page import Page, as_read, stands_alone
 from .quick_figures import tiny
 
@@ -39,7 +39,7 @@ def picture(path):
 
 def made(out):
     """The page of `out` and what is read in it; all that it names lies in the folder."""
-    assert entered("figures index --out", out) == 0
+    enter("figures index --out", out)
     source = (out / "index.html").read_text("utf-8")
     page = Page(source)
     for link in page.links:
@@ -214,7 +214,7 @@ def test_the_page_comes_last_of_all(tmp_path, monkeypatch):
     monkeypatch.setattr(everything, "left", lambda out: done.clear() or ["fig10"])
     monkeypatch.setattr(everything, "estimate", lambda out: "")
     monkeypatch.setattr(index, "files", lambda out: done.append("index") or {})
-    assert entered("figures paper --out", tmp_path) == 0
+    enter("figures paper --out", tmp_path)
     assert done == ["draw", "movie", "claims", "index"]
 
 
@@ -244,7 +244,7 @@ def test_runs_of_the_store_are_left_out_of_the_estimate_and_not_run_again(tmp_pa
             full.setattr(row_size, "sweeps", lambda: some)
             assert everything.estimate(tmp_path).startswith(f"{len(points)} runs")
         for _ in range(2):
-            assert entered(*drawn) == 0
+            enter(*drawn)
             with Store(path, write=False) as database:
                 assert all(database.has(point.key) for point in points)
                 written.append([row["written"] for row in database.rows()])

@@ -13,7 +13,7 @@ from figures.lib.printing import printed
 from figures.paper import fig10
 from impact._generated import DIGEST
 
-from .command_line import ROOT, entered, names_in
+from .command_line import ROOT, enter, names_in
 from .quick_figures import tiny
 
 # Files
@@ -21,7 +21,7 @@ from .quick_figures import tiny
 
 def test_a_drawn_figure_is_three_files(tmp_path, capsys):
     out = tmp_path / "new" / "folder"
-    assert entered("figures draw fig10 --quick --out", out) == 0
+    enter("figures draw fig10 --quick --out", out)
     assert names_in(out) == {"fig10.npz", "fig10.png", "fig10.pdf"}
     assert capsys.readouterr() == (f"{out}/fig10.png  fig10.pdf  fig10.npz\n", "")
     made = kept.made(out / "fig10.npz")
@@ -34,7 +34,7 @@ def test_interrupted_leaves_nothing_half_written(tmp_path, monkeypatch, capsys):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(Figure, "savefig", interrupted)
-    assert entered("figures draw fig10 --quick --out", tmp_path) == 130
+    enter("figures draw fig10 --quick --out", tmp_path, code=130)
     assert names_in(tmp_path) == {"fig10.npz"}
     assert capsys.readouterr().err.count("\n") == 1
 
@@ -45,7 +45,7 @@ def test_a_figure_that_fails_leaves_the_others(tmp_path, monkeypatch, capsys):
         entry = figures.Entry("paper", "", alone=alone)
         monkeypatch.setitem(figures.FIGURES, name, entry)
     drawn = "figures draw unknown_to_others without_module fig10 --quick --jobs 2 --out"
-    assert entered(drawn, tmp_path) == 1
+    enter(drawn, tmp_path, code=1)
     printed = capsys.readouterr()
     assert "unknown_to_others failed: there is no figure" in printed.err
     assert "without_module failed: Traceback" in printed.err
@@ -122,7 +122,7 @@ def test_a_figure_is_drawn_from_the_data_of_a_folder(tmp_path):
     """Of whatever sources; nothing is computed, the data are not written again."""
     out = tmp_path / "out"
     np.savez(tmp_path / "fig10.npz", **fig10.data(quick=True))
-    assert entered("figures draw fig10 --data", tmp_path, "--out", out) == 0
+    enter("figures draw fig10 --data", tmp_path, "--out", out)
     assert names_in(out) == {"fig10.png", "fig10.pdf"}
 
 

@@ -19,7 +19,7 @@ import md
 from figures.pages import gallery, movie
 from figures.pages.explore import CHOICES, RANGES, ROWS, WORDS, Setting
 
-from .command_line import DOCS, ROOT, called, entered
+from .command_line import DOCS, ROOT, called, enter
 from .page import Page, stands_alone
 from .rows import sets
 from .test_help import ALL
@@ -53,7 +53,7 @@ CHANGES = [
 @pytest.fixture(scope="module")
 def path(tmp_path_factory):
     path = tmp_path_factory.mktemp("page") / "new" / "here.html"
-    assert entered("figures explore --html", path) == 0
+    enter("figures explore --html", path)
     assert [other.name for other in path.parent.iterdir()] == ["here.html"]
     return path
 
@@ -140,7 +140,7 @@ def test_the_options_are_the_start(tmp_path):
         | {"shape": "flat", "law": "stronge"}
     )
     words = [f"--{name.replace('_', '-')}={value}" for name, value in given.items()]
-    assert entered("figures explore --html", path, *words) == 0
+    enter("figures explore --html", path, *words)
     start = json.loads(re.search(r"const PAGE = (.*);\n", path.read_text())[1])["start"]
     assert start == given
 
@@ -203,7 +203,7 @@ def test_scripts_of_the_guide_run(code, here, monkeypatch):
 
 @pytest.mark.parametrize("command", [c for c in COMMANDS if not set(SLOW) & set(c.split())])
 def test_commands_run(command, here, capsys):
-    assert entered(command) == 0
+    enter(command)
     assert capsys.readouterr().out
 
 
@@ -306,7 +306,7 @@ def test_picture_shows_each_rod_where_it_is(film):
 def test_command_writes_a_gif_that_loops(tmp_path, capsys):
     out = tmp_path / "row.gif"
     given = sets("rods.count=4", "box.length=5", "step.size=4e-5")
-    assert entered("figures movie quasi2d --periods 3 --frames 4 --out", out, *given) == 0
+    enter("figures movie quasi2d --periods 3 --frames 4 --out", out, *given)
     assert capsys.readouterr() == (f"{out}  12 frames\n", "")
     with Image.open(out) as gif:
         assert (gif.n_frames, gif.info["loop"], gif.size[0]) == (12, 0, 600)

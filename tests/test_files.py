@@ -9,7 +9,7 @@ import pytest
 import md
 from md import simulation, trajectory
 
-from .command_line import entered, names_in
+from .command_line import enter, names_in
 from .rows import ROW, row, sets
 
 SCENE = ["step.size=3e-4", "plate.acceleration=5"]
@@ -28,16 +28,16 @@ def test_a_run_that_a_full_disk_has_ended_goes_on(tmp_path, monkeypatch, capsys,
     """The command names the file; the checkpoint before holds, and the frames are filled in."""
     kept = "--checkpoint", tmp_path / "w.npz", "--trajectory", tmp_path / "a.xyz"
     command = "md run quasi2d --frames 6", *sets(*ROW, *SCENE), *kept, "--periods"
-    assert entered(*command, 2) == 0
+    enter(*command, 2)
     saved = (tmp_path / "w.npz").read_bytes()
     with monkeypatch.context() as patch:
         patch.setattr(where, what, FULL)
-        assert entered(*command, 3) == 2
+        enter(*command, 3, code=2)
     said = f"python -m md run: cannot write: {tmp_path}/{file}: No space left on device\n"
     rest = capsys.readouterr().err.removeprefix(said)  # the result, if only the last save failed
     assert rest[:5] == ("" if what == "write" else "rods ")
     assert (tmp_path / "w.npz").read_bytes() == saved
-    assert entered(*command, 3) == 0
+    enter(*command, 3)
     once = md.run(row(*SCENE), periods=3, trajectory=tmp_path / "once.xyz", frames=6)
     assert f"c_x = {once.c_x:.4g} sqrt(g d)" in capsys.readouterr().out
     assert names_in(tmp_path) == {"a.xyz", "once.xyz", "w.npz"}

@@ -6,6 +6,7 @@ import os
 import shlex
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 from unittest.mock import Mock
 
@@ -14,7 +15,7 @@ import pytest
 import figures
 import md
 
-from .command_line import COMMANDS, entered, python, refused
+from .command_line import COMMANDS, enter, python, refused
 
 GROUPS = {name: importlib.import_module(f"{name}.__main__").main for name in COMMANDS}
 # Beginnings of examples that take a second at most; the others are read, not run.
@@ -43,7 +44,7 @@ EXAMPLES = [words for command in ALL.values() for words in examples(command)]
 def test_help_is_complete(name, capsys, monkeypatch):
     """Options, arguments and commands have words, lines fit, one example is of that command."""
     monkeypatch.setenv("COLUMNS", "80")  # however wide the terminal
-    assert entered(name, "--help") == 0
+    enter(name, "--help")
     printed, err = capsys.readouterr()
     assert err == ""
     assert max(map(len, printed.splitlines())) <= 100
@@ -72,7 +73,7 @@ def test_cheap_examples_run(beginning, capsys, here):
     cheap = [words for words in EXAMPLES if " ".join(words).startswith(beginning)]
     assert cheap
     for words in cheap:
-        assert entered(*words) == 0
+        enter(*words)
         assert capsys.readouterr().err == ""
 
 
@@ -98,7 +99,7 @@ DONE = {  # a command, and the function that does its work
 def failing(request, here, monkeypatch):
     """A command, how it is called, and what fails in the midst of its work, as a mock."""
     monkeypatch.setattr(DONE[request.param], work := Mock())
-    return " ".join(request.param.split()[:2]), lambda: entered(request.param), work
+    return " ".join(request.param.split()[:2]), partial(enter, request.param), work
 
 
 @pytest.mark.parametrize(("error", "code", "said"), ENDS)
@@ -106,7 +107,7 @@ def test_ends_before_the_time(failing, error, code, said, capsys):
     """Ctrl-C is 130, what fails is 1; one line, that begins with the command."""
     command, call, work = failing
     work.side_effect = error
-    assert call() == code
+    call(code=code)
     out, err = capsys.readouterr()
     assert (out, err.count("\n")) == ("", 1)
     assert err.startswith(f"python -m {command}: {said}")

@@ -18,7 +18,7 @@ from derivations import languages
 from derivations.languages import FUNCTIONS, LAWS, RECORDS
 
 from . import sampling, test_pairs
-from .command_line import called, entered
+from .command_line import called, enter
 from .sampling import each_law
 
 CC = shutil.which("cc")
@@ -80,7 +80,7 @@ def header(tmp_path_factory):
         pytest.skip("there is no C compiler")
     folder = tmp_path_factory.mktemp("c")
     for _ in range(2):  # the second header takes the place of the first
-        assert entered("derivations generate --language c --out", folder / "rod_impact.h") == 0
+        enter("derivations generate --language c --out", folder / "rod_impact.h")
     return folder
 
 
@@ -350,7 +350,7 @@ def test_the_types_name_every_function_and_field():
 
 def test_the_command_prints_a_text(capsys):
     for language in languages.LANGUAGES:
-        assert entered("derivations generate --language", language) == 0
+        enter("derivations generate --language", language)
         assert capsys.readouterr().out == languages.source(language)
 
 

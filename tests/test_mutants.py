@@ -11,7 +11,7 @@ from derivations import axioms, registry, symbols, trace
 from derivations.lookup import entry_of
 
 from . import mutants
-from .command_line import entered
+from .command_line import enter
 from .test_derivations import EQUATIONS
 
 SOURCES = sorted(Path(registry.__file__).parent.glob("*.py"))
@@ -67,7 +67,7 @@ def test_a_derivation_that_cannot_be_computed_is_a_row_and_exit_code_one(
 ):
     monkeypatch.setattr(registry, "ENTRIES", (entry_of("24"),))
     with mutants.bent("drift.stationary", lambda value: 1 / 0):
-        assert entered(command) == 1
+        enter(command, code=1)
     printed = capsys.readouterr().out
     assert "NOT PROVED" in printed
     assert "this failed: ZeroDivisionError" in printed

@@ -18,7 +18,7 @@ from figures.paper import fig04
 from impact import drift
 from md.scene import SCENES
 
-from .command_line import ROOT, entered, python
+from .command_line import ROOT, enter, python
 
 SCENE = """
 rods = { count = 5, length = 5, inertia = "solid" }
@@ -63,7 +63,7 @@ def test_a_figure_is_drawn_from_values_of_ones_own(tmp_path, monkeypatch):
 def test_friction_at_its_ends_is_drawn_and_beyond_them_refused(tmp_path, figure, friction, code):
     """Rods that bounce without friction keep the velocity that they were given."""
     drawn = "figures draw --quick --restitution 1 --out", tmp_path, "--friction", friction, figure
-    assert entered(*drawn) == code
+    enter(*drawn, code=code)
 
 
 @pytest.fixture
@@ -78,7 +78,7 @@ def mine(tmp_path, monkeypatch):
 def test_the_papers_statements_are_judged_for_ones_own_rods(mine, tmp_path, capsys):
     """Numbers are of their row; the theory has the friction and restitution of their plate."""
     out = tmp_path / "out"
-    assert entered("figures claims --quick --out", out, "--scene", mine) == 0
+    enter("figures claims --quick --out", out, "--scene", mine)
     begin, left, rods, says, *lines = capsys.readouterr().out.splitlines()
     assert (begin, left[:21]) == ("20 runs, none of them stored", "those left take about")
     assert "mine: 5 rods, l=5 d" in rods
@@ -120,7 +120,7 @@ def test_annuli_of_ones_own_hold_as_many_more_rods_as_they_are_wider(tmp_path, c
     assert own["wall"].points[0].scene.rods.count == 88
     assert own["still"].points[0].scene.annulus.inner == 12.31866
     assert "wide: 44 rods" in runs.annulus_of(str(wide)).words
-    assert entered("figures draw fig05 --scene quasi2d --quick --out", tmp_path) == 2
+    enter("figures draw fig05 --scene quasi2d --quick --out", tmp_path, code=2)
     assert "scene must be rods in an annulus" in capsys.readouterr().err
 
 

@@ -11,7 +11,7 @@ import pytest
 
 from md.store import Store, StoreError, table, write_csv
 
-from .command_line import entered, names_in, refused
+from .command_line import enter, names_in, refused
 
 ABOUT = {"scene": {"rods": {"count": 2}}, "periods": 3, "seed": 1, "code": "abc", "seconds": 0.1}
 
@@ -87,7 +87,7 @@ def test_a_store_in_a_read_only_folder_is_read(capsys):
             (folder / "new").touch()
         with Store(folder / "a.db", write=False) as store:
             assert store.result("k") == {"c_x": 0.5}
-        assert entered("md results", folder / "a.db") == 0
+        enter("md results", folder / "a.db")
         assert "0.5" in capsys.readouterr().out
         refused(capsys, "a.db cannot be written", "md sweep drift --store", folder / "a.db")
         assert names_in(folder) == {"a.db"}
@@ -123,5 +123,5 @@ def test_a_table_has_all_columns(tmp_path, path):
 def test_a_store_without_runs_says_so(path, capsys):
     with Store(path):
         pass
-    assert entered("md results", path) == 0
+    enter("md results", path)
     assert capsys.readouterr().out == "no runs yet\n"

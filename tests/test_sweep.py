@@ -19,7 +19,7 @@ from md.soft_impact import RunError
 from md.store import Store
 from md.sweep import Point, execute, expand, load_sweep
 
-from .command_line import each_signal, ended, entered, left
+from .command_line import each_signal, ended, enter, left
 
 SCENE = """
 [rods]
@@ -177,7 +177,7 @@ def test_a_law_of_ones_own_runs_in_processes_that_do_not_know_it(path, monkeypat
     monkeypatch.setitem(md.LAWS, "mine", lambda dashpot: viscous(2e6, dashpot))
     assert execute(expand(tables, base), path, workers=1).there == 0
     monkeypatch.delitem(md.LAWS, "mine")
-    assert entered("md results", path) == 0
+    enter("md results", path)
 
 
 def test_what_is_no_law_is_refused(monkeypatch):

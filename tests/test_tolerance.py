@@ -16,7 +16,7 @@ from md.scene import _parsed, put, read_tables
 from md.store import Store, table
 from md.sweep import execute, expand
 
-from .command_line import entered
+from .command_line import enter
 from .rows import ROW, row, seeded, sets
 
 DRIVEN = row("plate.acceleration=5")
@@ -127,17 +127,17 @@ SMALL = sets(*ROW, "plate.acceleration=5")
 
 def test_the_command_has_two_ends(capsys, monkeypatch):
     """The exit code is 0 if the tolerance is reached, 4 if not, or if nothing settled."""
-    assert entered("md run quasi2d --tolerance 0.3 --floor 0.05 --json", *SMALL) == 0
+    enter("md run quasi2d --tolerance 0.3 --floor 0.05 --json", *SMALL)
     found = json.loads(capsys.readouterr().out)["accuracy"]
     assert (found["state"], found["starts"]) == ("reached", 2)
     hard = "md run quasi2d --tolerance 0.05 --max-seconds 0.05 --json"
-    assert entered(hard, *SMALL) == 4  # known after the second look
+    enter(hard, *SMALL, code=4)  # known after the second look
     found = json.loads(capsys.readouterr().out)
     assert (found["finished"], found["accuracy"]["state"]) == (True, "not reached")
     assert found["periods"] < 5000
     assert found["accuracy"]["needed_seconds"] > 0.05
     monkeypatch.setattr(accuracy, "settled", lambda first, *series: None)
-    assert entered("md run quasi2d --tolerance 0.5 --max-seconds 1", *SMALL) == 4
+    enter("md run quasi2d --tolerance 0.5 --max-seconds 1", *SMALL, code=4)
     assert "accuracy     NOT SETTLED" in capsys.readouterr().out
 
 

@@ -12,7 +12,7 @@ import md
 from md import simulation, trajectory
 from md.host import prepare
 
-from .command_line import entered
+from .command_line import enter
 from .rows import ROLLING, ring, row, vectors
 
 
@@ -85,7 +85,7 @@ def test_frames_stand_at_the_same_phases_of_all_periods(tmp_path):
 def test_a_file_of_another_kind_is_refused_before_anything_is_compiled(tmp_path, monkeypatch):
     monkeypatch.setattr(simulation, "prepare", pytest.fail)
     (path := tmp_path / "mine.toml").write_text("[rods]")
-    assert entered("md run my_rods --trajectory", path) == 2
+    enter("md run my_rods --trajectory", path, code=2)
     assert path.read_text() == "[rods]"
 
 

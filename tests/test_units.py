@@ -15,7 +15,7 @@ from md.store import table
 from md.sweep import execute, expand
 from md.units import TWINS, error_of, in_cm, labelled
 
-from .command_line import entered
+from .command_line import enter
 from .rows import sets
 
 SCENE = """
@@ -86,7 +86,7 @@ def test_a_sweep_along_an_amplitude(tmp_path, capsys):
     assert_allclose(gamma, sweep.values("plate.amplitude_cm") * (100 * pi) ** 2 / 981)
     same = expand({"periods": 124, "axes": [{"plate.acceleration": gamma}, axes[1]]}, TABLES)
     assert np.isfinite(same.gather(store, "c_x")[0]).all()
-    assert entered("md results", store) == 0
+    enter("md results", store)
     head, *lines = (line.split() for line in capsys.readouterr().out.splitlines())
     assert head[:5] == ["plate.acceleration", "start.seed", "c_x", "c_x_stderr", "c_x_cm_s"]
     assert len(lines) == 4
@@ -100,11 +100,11 @@ def test_what_a_run_prints_in_cm(tmp_path, capsys):
     """It prints rods, plate, drift and time; JSON says what one unit is, and what was run."""
     soft = (f"contacts.{part}.stiffness=1e4" for part in ("plate", "rods"))
     command = "md run my_rods --periods 124", *sets("rods.count=3", "box.length_cm=2", *soft)
-    assert entered(*command, "--trajectory", tmp_path / "a.xyz") == 0
+    enter(*command, "--trajectory", tmp_path / "a.xyz")
     printed = capsys.readouterr().out.splitlines()
     assert printed[0] == "rods         3 of 5.08 by 0.635 cm, in a box of 2 cm that repeats"
     assert "periods      124 = 2.067 s; the first 24 are left out of the means" in printed
-    assert entered(*command, "--json") == 0
+    enter(*command, "--json")
     found = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
     units, cm = found["units"], found["scene_in_cm"]
     assert f"= {found['c_x_cm_s']:.4g} +- {found['c_x_stderr_cm_s']:.2g} cm/s" in printed[2]
