@@ -6,7 +6,10 @@ import subprocess
 import sys
 import time
 import tomllib
+from collections import namedtuple
+from contextlib import redirect_stderr, redirect_stdout
 from importlib import import_module
+from io import StringIO
 from pathlib import Path
 
 import psutil
@@ -35,10 +38,17 @@ def python(*words, cwd=ROOT, **environment):
     return called(sys.executable, *words, cwd=cwd, env=env)
 
 
+Printed = namedtuple("Printed", "out err")
+
+
 def enter(line, *more, code=0):
-    """Run a command line such as "md results", and what else it ends with; check its exit code."""
+    """Run a line such as "md results", and what else it ends with; its output, if `code` is so."""
     package, *words = line.split()
-    assert import_module(f"{package}.__main__").main([*words, *map(str, more)]) == code
+    with redirect_stdout(StringIO()) as out, redirect_stderr(StringIO()) as err:
+        found = import_module(f"{package}.__main__").main([*words, *map(str, more)])
+    printed = Printed(out.getvalue(), err.getvalue())
+    assert found == code, printed
+    return printed
 
 
 def left(folder):
@@ -52,14 +62,12 @@ def names_in(folder):
     return {path.name for path in folder.iterdir()}
 
 
-def refused(capsys, word, line, *more):
+def refused(word, line, *more):
     """Check one line on stderr, with the word in it, nothing on stdout, exit code 2; the line."""
-    enter(line, *more, code=2)
-    printed = capsys.readouterr()
-    assert printed.out == ""
-    assert printed.err.count("\n") == 1
-    assert word in printed.err
-    return printed.err
+    out, err = enter(line, *more, code=2)
+    assert (out, err.count("\n")) == ("", 1)
+    assert word in err
+    return err
 
 
 def ended(

@@ -193,14 +193,14 @@ def test_claims_that_cannot_be_read_cost_a_line(text, tmp_path):
     assert line.startswith("claims.json cannot be read (")
 
 
-def test_folders_that_are_left_alone(tmp_path, monkeypatch, capsys):
+def test_folders_that_are_left_alone(tmp_path, monkeypatch):
     """Without anything to show, or that of the gallery itself."""
     (tmp_path / "rows.db").touch()
-    refused(capsys, "something to show", "figures index --out", tmp_path)
+    refused("something to show", "figures index --out", tmp_path)
     monkeypatch.setattr(index, "GALLERY", tmp_path / "gallery")
     (tmp_path / "gallery").mkdir()
     picture(tmp_path / "fig10.png")
-    refused(capsys, "gallery", "figures index --out", tmp_path)
+    refused("gallery", "figures index --out", tmp_path)
     assert names_in(tmp_path) == {"rows.db", "gallery", "fig10.png"}
 
 

@@ -19,34 +19,33 @@ from .quick_figures import tiny
 # Files
 
 
-def test_a_drawn_figure_is_three_files(tmp_path, capsys):
+def test_a_drawn_figure_is_three_files(tmp_path):
     out = tmp_path / "new" / "folder"
-    enter("figures draw fig10 --quick --out", out)
+    printed = enter("figures draw fig10 --quick --out", out)
+    assert printed == (f"{out}/fig10.png  fig10.pdf  fig10.npz\n", "")
     assert names_in(out) == {"fig10.npz", "fig10.png", "fig10.pdf"}
-    assert capsys.readouterr() == (f"{out}/fig10.png  fig10.pdf  fig10.npz\n", "")
     made = kept.made(out / "fig10.npz")
     assert (made["impact"], made["numpy"], made["quick"]) == (DIGEST, np.__version__, True)
 
 
-def test_interrupted_leaves_nothing_half_written(tmp_path, monkeypatch, capsys):
+def test_interrupted_leaves_nothing_half_written(tmp_path, monkeypatch):
     def interrupted(self, path, **_):
         path.write_bytes(b"half a picture")
         raise KeyboardInterrupt
 
     monkeypatch.setattr(Figure, "savefig", interrupted)
-    enter("figures draw fig10 --quick --out", tmp_path, code=130)
+    printed = enter("figures draw fig10 --quick --out", tmp_path, code=130)
+    assert printed.err.count("\n") == 1
     assert names_in(tmp_path) == {"fig10.npz"}
-    assert capsys.readouterr().err.count("\n") == 1
 
 
-def test_a_figure_that_fails_leaves_the_others(tmp_path, monkeypatch, capsys):
+def test_a_figure_that_fails_leaves_the_others(tmp_path, monkeypatch):
     """In this process and in others; a mistake of ours is told with its traceback."""
     for name, alone in (("unknown_to_others", False), ("without_module", True)):
         entry = figures.Entry("paper", "", alone=alone)
         monkeypatch.setitem(figures.FIGURES, name, entry)
     drawn = "figures draw unknown_to_others without_module fig10 --quick --jobs 2 --out"
-    enter(drawn, tmp_path, code=1)
-    printed = capsys.readouterr()
+    printed = enter(drawn, tmp_path, code=1)
     assert "unknown_to_others failed: there is no figure" in printed.err
     assert "without_module failed: Traceback" in printed.err
     assert printed.err.endswith("failed: unknown_to_others, without_module\n")

@@ -202,14 +202,13 @@ def test_scripts_of_the_guide_run(code, here, monkeypatch):
 
 
 @pytest.mark.parametrize("command", [c for c in COMMANDS if not set(SLOW) & set(c.split())])
-def test_commands_run(command, here, capsys):
-    enter(command)
-    assert capsys.readouterr().out
+def test_commands_run(command, here):
+    assert enter(command).out
 
 
-def test_longer_commands_run(here, capsys):
+def test_longer_commands_run(here):
     for command in (one for one in LONGER if "--scheduler" not in one):
-        test_commands_run(command, here, capsys)
+        test_commands_run(command, here)
     assert len((here / "drift.csv").read_text().splitlines()) == 22
 
 
@@ -303,11 +302,11 @@ def test_picture_shows_each_rod_where_it_is(film):
     assert all(np.all(np.abs(np.diff(part[:, 0])) < 1) for part in trail)
 
 
-def test_command_writes_a_gif_that_loops(tmp_path, capsys):
+def test_command_writes_a_gif_that_loops(tmp_path):
     out = tmp_path / "row.gif"
     given = sets("rods.count=4", "box.length=5", "step.size=4e-5")
-    enter("figures movie quasi2d --periods 3 --frames 4 --out", out, *given)
-    assert capsys.readouterr() == (f"{out}  12 frames\n", "")
+    printed = enter("figures movie quasi2d --periods 3 --frames 4 --out", out, *given)
+    assert printed == (f"{out}  12 frames\n", "")
     with Image.open(out) as gif:
         assert (gif.n_frames, gif.info["loop"], gif.size[0]) == (12, 0, 600)
     assert list(tmp_path.iterdir()) == [out]

@@ -24,7 +24,7 @@ FULL = Mock(side_effect=OSError(errno.ENOSPC, os.strerror(errno.ENOSPC)))  # a d
         (trajectory.Trajectory, "flush", "a.xyz"),
     ],
 )
-def test_a_run_that_a_full_disk_has_ended_goes_on(tmp_path, monkeypatch, capsys, where, what, file):
+def test_a_run_that_a_full_disk_has_ended_goes_on(tmp_path, monkeypatch, where, what, file):
     """The command names the file; the checkpoint before holds, and the frames are filled in."""
     kept = "--checkpoint", tmp_path / "w.npz", "--trajectory", tmp_path / "a.xyz"
     command = "md run quasi2d --frames 6", *sets(*ROW, *SCENE), *kept, "--periods"
@@ -32,13 +32,13 @@ def test_a_run_that_a_full_disk_has_ended_goes_on(tmp_path, monkeypatch, capsys,
     saved = (tmp_path / "w.npz").read_bytes()
     with monkeypatch.context() as patch:
         patch.setattr(where, what, FULL)
-        enter(*command, 3, code=2)
+        err = enter(*command, 3, code=2).err
     said = f"python -m md run: cannot write: {tmp_path}/{file}: No space left on device\n"
-    rest = capsys.readouterr().err.removeprefix(said)  # the result, if only the last save failed
+    rest = err.removeprefix(said)  # the result, if only the last save failed
     assert rest[:5] == ("" if what == "write" else "rods ")
     assert (tmp_path / "w.npz").read_bytes() == saved
-    enter(*command, 3)
+    printed = enter(*command, 3).out
     once = md.run(row(*SCENE), periods=3, trajectory=tmp_path / "once.xyz", frames=6)
-    assert f"c_x = {once.c_x:.4g} sqrt(g d)" in capsys.readouterr().out
+    assert f"c_x = {once.c_x:.4g} sqrt(g d)" in printed
     assert names_in(tmp_path) == {"a.xyz", "once.xyz", "w.npz"}
     assert (tmp_path / "a.xyz").read_text() == (tmp_path / "once.xyz").read_text()

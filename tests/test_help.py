@@ -41,11 +41,10 @@ EXAMPLES = [words for command in ALL.values() for words in examples(command)]
 
 
 @pytest.mark.parametrize("name", ALL)
-def test_help_is_complete(name, capsys, monkeypatch):
+def test_help_is_complete(name, monkeypatch):
     """Options, arguments and commands have words, lines fit, one example is of that command."""
     monkeypatch.setenv("COLUMNS", "80")  # however wide the terminal
-    enter(name, "--help")
-    printed, err = capsys.readouterr()
+    printed, err = enter(name, "--help")
     assert err == ""
     assert max(map(len, printed.splitlines())) <= 100
     for parameter in ALL[name].params:
@@ -69,18 +68,17 @@ def test_examples_are_commands(words):
 
 
 @pytest.mark.parametrize("beginning", CHEAP)
-def test_cheap_examples_run(beginning, capsys, here):
+def test_cheap_examples_run(beginning, here):
     cheap = [words for words in EXAMPLES if " ".join(words).startswith(beginning)]
     assert cheap
     for words in cheap:
-        enter(*words)
-        assert capsys.readouterr().err == ""
+        assert enter(*words).err == ""
 
 
 @pytest.mark.parametrize("name", ALL)
-def test_bad_usage_begins_with_the_command(name, capsys):
+def test_bad_usage_begins_with_the_command(name):
     """An unknown option costs one line and exit code 2."""
-    refused(capsys, f"python -m {name}: No such", name, "--nonsense")
+    refused(f"python -m {name}: No such", name, "--nonsense")
 
 
 ENDS = [
@@ -103,12 +101,11 @@ def failing(request, here, monkeypatch):
 
 
 @pytest.mark.parametrize(("error", "code", "said"), ENDS)
-def test_ends_before_the_time(failing, error, code, said, capsys):
+def test_ends_before_the_time(failing, error, code, said):
     """Ctrl-C is 130, what fails is 1; one line, that begins with the command."""
     command, call, work = failing
     work.side_effect = error
-    call(code=code)
-    out, err = capsys.readouterr()
+    out, err = call(code=code)
     assert (out, err.count("\n")) == ("", 1)
     assert err.startswith(f"python -m {command}: {said}")
 

@@ -348,10 +348,10 @@ def test_the_types_name_every_function_and_field():
         assert re.findall(r"^    (\w+): ", body, re.M) == [*fields]
 
 
-def test_the_command_prints_a_text(capsys):
+def test_the_command_prints_a_text():
     for language in languages.LANGUAGES:
-        enter("derivations generate --language", language)
-        assert capsys.readouterr().out == languages.source(language)
+        printed = enter("derivations generate --language", language)
+        assert printed.out == languages.source(language)
 
 
 @pytest.mark.skipif(shutil.which("c++") is None, reason="there is no C++ compiler")

@@ -13,10 +13,9 @@ COMMAND = "md impact --json --tilt-deg=20 --friction=0.4 --c-x=0.5 --c-z=-1"
 OF_A_ROD = "--omega=0.1 --length=8 --inertia=thin --ends=flat --stiffness=1e7 --dt=1e-5"
 
 
-def found(capsys, options):
+def found(options):
     """What the command finds, a line of JSON."""
-    enter(COMMAND, *options.split())
-    out, err = capsys.readouterr()
+    out, err = enter(COMMAND, *options.split())
     assert (err, out.count("\n")) == ("", 1)
     return json.loads(out)
 
@@ -37,8 +36,8 @@ def found(capsys, options):
     ],
     ids=["rod", "law"],
 )
-def test_json_holds_all_that_happened(capsys, options, law, given):
-    told = found(capsys, f"--restitution=0.65 {options}")
+def test_json_holds_all_that_happened(options, law, given):
+    told = found(f"--restitution=0.65 {options}")
     hit = md.impact(radians(20), 0.5, -1.0, friction=0.4, law=law, **given)
     assert {*told} == {*hit._fields, "stiffness", "arguments"}
     assert told | hit._asdict() | {"seconds": told["seconds"]} == told
@@ -51,10 +50,10 @@ def test_json_holds_all_that_happened(capsys, options, law, given):
     ("law", "integrator"),
     [*((law, "leapfrog") for law in md.LAWS), *(("coulomb", name) for name in md.INTEGRATORS)],
 )
-def test_every_law_and_integrator(capsys, law, integrator):
+def test_every_law_and_integrator(law, integrator):
     """The undamped spring of Appendix A gives its energy back, and the rod slips back with it."""
     printed = law == "appendix_a"
     restitution = "" if printed else "--restitution=0.65"
-    told = found(capsys, f"{restitution} --law={law} --integrator={integrator}")
+    told = found(f"{restitution} --law={law} --integrator={integrator}")
     assert told["regime"] == ("slip-reversal" if printed else "slip-stick")
     assert (told["dt"] is None) == (integrator == "dop853")

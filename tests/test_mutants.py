@@ -63,12 +63,11 @@ def test_a_sign_turned_in_any_step_ends_as_a_row(step):
 
 @pytest.mark.parametrize("command", ["derivations check", "derivations report"])
 def test_a_derivation_that_cannot_be_computed_is_a_row_and_exit_code_one(
-    monkeypatch, capsys, here, command
+    monkeypatch, here, command
 ):
     monkeypatch.setattr(registry, "ENTRIES", (entry_of("24"),))
     with mutants.bent("drift.stationary", lambda value: 1 / 0):
-        enter(command, code=1)
-    printed = capsys.readouterr().out
+        printed = enter(command, code=1).out
     assert "NOT PROVED" in printed
     assert "this failed: ZeroDivisionError" in printed
     assert "1 entries: 1 agrees; 1 not proved" in printed

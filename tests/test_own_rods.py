@@ -75,11 +75,11 @@ def mine(tmp_path, monkeypatch):
     return tmp_path / "mine.toml"
 
 
-def test_the_papers_statements_are_judged_for_ones_own_rods(mine, tmp_path, capsys):
+def test_the_papers_statements_are_judged_for_ones_own_rods(mine, tmp_path):
     """Numbers are of their row; the theory has the friction and restitution of their plate."""
     out = tmp_path / "out"
-    enter("figures claims --quick --out", out, "--scene", mine)
-    begin, left, rods, says, *lines = capsys.readouterr().out.splitlines()
+    printed = enter("figures claims --quick --out", out, "--scene", mine).out
+    begin, left, rods, says, *lines = printed.splitlines()
     assert (begin, left[:21]) == ("20 runs, none of them stored", "those left take about")
     assert "mine: 5 rods, l=5 d" in rods
     assert says.startswith("S2  In the plane row the tilt follows from the length of the box")
@@ -105,7 +105,7 @@ def test_a_figure_of_the_row_shows_ones_own_rods(mine):
     assert "plate/rods" not in str(d["words"])  # the law of the figures
 
 
-def test_annuli_of_ones_own_hold_as_many_more_rods_as_they_are_wider(tmp_path, capsys):
+def test_annuli_of_ones_own_hold_as_many_more_rods_as_they_are_wider(tmp_path):
     """What is the paper's alone is left out; a row is refused."""
     wide = tmp_path / "wide.toml"
     text = (SCENES / "annulus.toml").read_text()
@@ -120,8 +120,8 @@ def test_annuli_of_ones_own_hold_as_many_more_rods_as_they_are_wider(tmp_path, c
     assert own["wall"].points[0].scene.rods.count == 88
     assert own["still"].points[0].scene.annulus.inner == 12.31866
     assert "wide: 44 rods" in runs.annulus_of(str(wide)).words
-    enter("figures draw fig05 --scene quasi2d --quick --out", tmp_path, code=2)
-    assert "scene must be rods in an annulus" in capsys.readouterr().err
+    printed = enter("figures draw fig05 --scene quasi2d --quick --out", tmp_path, code=2)
+    assert "scene must be rods in an annulus" in printed.err
 
 
 def test_rows_of_the_paper_stand_beside_the_papers_theory_alone(monkeypatch):

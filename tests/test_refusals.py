@@ -85,21 +85,21 @@ def contents(folder):
 
 
 @pytest.mark.parametrize(("command", "words"), REFUSALS.items(), ids=REFUSALS)
-def test_nonsense_is_refused_in_one_line(folder, capsys, command, words):
+def test_nonsense_is_refused_in_one_line(folder, command, words):
     """The line names command, option or key, value, domain; exit code 2; no file is changed."""
     package, *inner = command.split()[:2]
     name = " ".join([package, *inner])
     before = contents(folder)
-    err = refused(capsys, words, command)
+    err = refused(words, command)
     assert err.startswith(f"python -m {name if name in ALL else package}: ")
     assert contents(folder) == before
 
 
 @pytest.mark.parametrize(("command", "text", "words"), ASKED)
-def test_a_file_that_asks_for_nonsense_is_refused_in_one_line(capsys, command, text, words):
+def test_a_file_that_asks_for_nonsense_is_refused_in_one_line(command, text, words):
     lines = (line for key, line in LINES[command].items() if not text.startswith(key))
     Path("bad.toml").write_text("\n".join([*lines, text]))
-    refused(capsys, words, command)
+    refused(words, command)
     assert not Path("b.db").exists()
 
 

@@ -177,18 +177,16 @@ result = "c_x"
 """
 
 
-def test_the_command_searches_a_file(tmp_path, capsys):
+def test_the_command_searches_a_file(tmp_path):
     """Of two files; a place without data is predicted, its value, which JSON lacks, is null."""
     (tmp_path / "fit.toml").write_text(FILE)
     (tmp_path / "drift.csv").write_text("box.length,c_x,error\n3.0,,\n")
     (tmp_path / "tilt_deg.csv").write_text("box.length,tilt_deg,error\n3.0,45,5\n")
     asked = "md search --workers 1", tmp_path / "fit.toml", "--store", tmp_path / "runs.db"
-    enter(*asked, "--json")
-    told = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
+    told = json.loads(enter(*asked, "--json").out, parse_constant=pytest.fail)
     misfits = [point["misfit"] for point in told["points"]]
     assert len(misfits) == 4
     assert misfits == sorted(misfits)
     assert told["tally"]["computed"] == 4
     assert [target["value"] for target in told["targets"]] == [45, None]
-    enter(*asked)
-    assert capsys.readouterr().out.splitlines()[-1].split()[:2] == ["3", "c_x"]  # and no value
+    assert enter(*asked).out.splitlines()[-1].split()[:2] == ["3", "c_x"]  # and no value

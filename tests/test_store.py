@@ -44,10 +44,10 @@ def test_two_writers_share_a_store(path):
         assert [row["result"]["i"] for row in one.rows()] == list(range(10))
 
 
-def test_a_row_that_was_edited_by_hand_costs_one_line(path, capsys):
+def test_a_row_that_was_edited_by_hand_costs_one_line(path):
     filled(path)
     database(path, "UPDATE runs SET result = 'oops'")
-    refused(capsys, "a.db cannot be read: Exp", "md results", path)
+    refused("a.db cannot be read: Exp", "md results", path)
 
 
 def database(path, *statements):
@@ -80,16 +80,15 @@ def read_only():
         shutil.rmtree(folder)
 
 
-def test_a_store_in_a_read_only_folder_is_read(capsys):
+def test_a_store_in_a_read_only_folder_is_read():
     """It is read and not written, which is said in one line."""
     with read_only() as folder:
         with pytest.raises(PermissionError):
             (folder / "new").touch()
         with Store(folder / "a.db", write=False) as store:
             assert store.result("k") == {"c_x": 0.5}
-        enter("md results", folder / "a.db")
-        assert "0.5" in capsys.readouterr().out
-        refused(capsys, "a.db cannot be written", "md sweep drift --store", folder / "a.db")
+        assert "0.5" in enter("md results", folder / "a.db").out
+        refused("a.db cannot be written", "md sweep drift --store", folder / "a.db")
         assert names_in(folder) == {"a.db"}
 
 
@@ -120,8 +119,7 @@ def test_a_table_has_all_columns(tmp_path, path):
     assert lines[2].startswith("2,0.5,0.1,")
 
 
-def test_a_store_without_runs_says_so(path, capsys):
+def test_a_store_without_runs_says_so(path):
     with Store(path):
         pass
-    enter("md results", path)
-    assert capsys.readouterr().out == "no runs yet\n"
+    assert enter("md results", path).out == "no runs yet\n"

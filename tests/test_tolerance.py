@@ -125,20 +125,19 @@ def test_slow_drifts_are_judged_by_the_floor():
 SMALL = sets(*ROW, "plate.acceleration=5")
 
 
-def test_the_command_has_two_ends(capsys, monkeypatch):
+def test_the_command_has_two_ends(monkeypatch):
     """The exit code is 0 if the tolerance is reached, 4 if not, or if nothing settled."""
-    enter("md run quasi2d --tolerance 0.3 --floor 0.05 --json", *SMALL)
-    found = json.loads(capsys.readouterr().out)["accuracy"]
+    printed = enter("md run quasi2d --tolerance 0.3 --floor 0.05 --json", *SMALL)
+    found = json.loads(printed.out)["accuracy"]
     assert (found["state"], found["starts"]) == ("reached", 2)
     hard = "md run quasi2d --tolerance 0.05 --max-seconds 0.05 --json"
-    enter(hard, *SMALL, code=4)  # known after the second look
-    found = json.loads(capsys.readouterr().out)
+    found = json.loads(enter(hard, *SMALL, code=4).out)  # known after the second look
     assert (found["finished"], found["accuracy"]["state"]) == (True, "not reached")
     assert found["periods"] < 5000
     assert found["accuracy"]["needed_seconds"] > 0.05
     monkeypatch.setattr(accuracy, "settled", lambda first, *series: None)
-    enter("md run quasi2d --tolerance 0.5 --max-seconds 1", *SMALL, code=4)
-    assert "accuracy     NOT SETTLED" in capsys.readouterr().out
+    printed = enter("md run quasi2d --tolerance 0.5 --max-seconds 1", *SMALL, code=4)
+    assert "accuracy     NOT SETTLED" in printed.out
 
 
 # Rods fall over ever more often for 300 periods; both starts agree meanwhile

@@ -77,7 +77,7 @@ def test_what_comes_later_takes_the_place():
 # Runs
 
 
-def test_a_sweep_along_an_amplitude(tmp_path, capsys):
+def test_a_sweep_along_an_amplitude(tmp_path):
     """The axis is in cm, its points are those of the accelerations; results have either unit."""
     store, axes = tmp_path / "a.db", [{"plate.amplitude_cm": [0.02, 0.03]}, {"start.seed": [1, 2]}]
     sweep = expand({"periods": 124, "axes": axes}, TABLES)
@@ -86,8 +86,7 @@ def test_a_sweep_along_an_amplitude(tmp_path, capsys):
     assert_allclose(gamma, sweep.values("plate.amplitude_cm") * (100 * pi) ** 2 / 981)
     same = expand({"periods": 124, "axes": [{"plate.acceleration": gamma}, axes[1]]}, TABLES)
     assert np.isfinite(same.gather(store, "c_x")[0]).all()
-    enter("md results", store)
-    head, *lines = (line.split() for line in capsys.readouterr().out.splitlines())
+    head, *lines = map(str.split, enter("md results", store).out.splitlines())
     assert head[:5] == ["plate.acceleration", "start.seed", "c_x", "c_x_stderr", "c_x_cm_s"]
     assert len(lines) == 4
     for row in table(store)[1]:
@@ -96,16 +95,14 @@ def test_a_sweep_along_an_amplitude(tmp_path, capsys):
         assert row["c_x_stderr_cm_s"] == pytest.approx(row["c_x_stderr"] * sqrt(981 * 0.5))
 
 
-def test_what_a_run_prints_in_cm(tmp_path, capsys):
+def test_what_a_run_prints_in_cm(tmp_path):
     """It prints rods, plate, drift and time; JSON says what one unit is, and what was run."""
     soft = (f"contacts.{part}.stiffness=1e4" for part in ("plate", "rods"))
     command = "md run my_rods --periods 124", *sets("rods.count=3", "box.length_cm=2", *soft)
-    enter(*command, "--trajectory", tmp_path / "a.xyz")
-    printed = capsys.readouterr().out.splitlines()
+    printed = enter(*command, "--trajectory", tmp_path / "a.xyz").out.splitlines()
     assert printed[0] == "rods         3 of 5.08 by 0.635 cm, in a box of 2 cm that repeats"
     assert "periods      124 = 2.067 s; the first 24 are left out of the means" in printed
-    enter(*command, "--json")
-    found = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
+    found = json.loads(enter(*command, "--json").out, parse_constant=pytest.fail)
     units, cm = found["units"], found["scene_in_cm"]
     assert f"= {found['c_x_cm_s']:.4g} +- {found['c_x_stderr_cm_s']:.2g} cm/s" in printed[2]
     assert found["c_x_cm_s"] == pytest.approx(found["c_x"] * units["velocity_cm_s"])
