@@ -10,6 +10,7 @@ from collections import namedtuple
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial, wraps
+from unittest.mock import patch
 
 import sympy as sp
 
@@ -48,24 +49,9 @@ def forgotten(results, kind, name):
 def bent(name, change):
     """Change what one step of `STEPS` gives; what takes it is derived again."""
     usual = trace.STEPS[name]
-    with derived_again("derived", name):
-        trace.STEPS[name] = wraps(usual)(lambda *given: change(usual(*given)))
-        try:
-            yield
-        finally:
-            trace.STEPS[name] = usual
-
-
-@contextmanager
-def assuming(axiom, form):
-    """Put another form in an axiom's place; what rests on it is derived again."""
-    usual = axiom.form
-    with derived_again("axiom", axiom.tag):
-        axiom.form = form
-        try:
-            yield
-        finally:
-            axiom.form = usual
+    changed = wraps(usual)(lambda *given: change(usual(*given)))
+    with derived_again("derived", name), patch.dict(trace.STEPS, {name: changed}):
+        yield
 
 
 # A changed form: tag of the entry or axiom; its side (printed, derived or axiom); the change in
@@ -170,7 +156,7 @@ def of_axiom(axiom):
     usual = axiom.form
     for what, new in changes(usual):
         outcome = "caught"
-        with assuming(axiom, new):
+        with derived_again("axiom", axiom.tag), patch.object(axiom, "form", new):
             if all(entry.prove().ok for entry in resting):
                 same = says_the_same(new, usual, COMPARED.get(axiom.tag, ""))
                 outcome = "equivalent" if same else "survived"
