@@ -8,6 +8,7 @@ import time
 from pathlib import Path
 
 import matplotlib as mpl
+import matplotlib.pyplot as plt
 import pytest
 from xdist.scheduler import LoadFileScheduling
 
@@ -66,6 +67,13 @@ def rows_store(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(rows, "STORE", tmp_path_factory.mktemp("rows") / "rows.db")
         yield
+
+
+@pytest.fixture(autouse=True)
+def no_figures():
+    """A test leaves no figure of pyplot open."""
+    yield
+    plt.close("all")
 
 
 @pytest.fixture

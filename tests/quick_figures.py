@@ -9,7 +9,6 @@ from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from matplotlib.colors import to_hex, to_rgba_array
@@ -177,15 +176,12 @@ def check_figure(name):
     before = deepcopy(d)
     with tiny():
         picture = module.draw(d)
-    try:
-        assert all(ax.get_xlabel() or ax.get_ylabel() for ax in picture.axes)
-        picture.canvas.draw()
-        shown = [text for text in picture.findobj(Text) if text.get_text() and text.get_visible()]
-        assert all(text.get_fontsize() >= 8 for text in shown)
-        named = re.findall(r"\b(black|blue|green|red|orange|yellow|grey)\b", module.__doc__)
-        assert set(named) <= _drawn_colours(picture)
-    finally:
-        plt.close(picture)
+    assert all(ax.get_xlabel() or ax.get_ylabel() for ax in picture.axes)
+    picture.canvas.draw()
+    shown = [text for text in picture.findobj(Text) if text.get_text() and text.get_visible()]
+    assert all(text.get_fontsize() >= 8 for text in shown)
+    named = re.findall(r"\b(black|blue|green|red|orange|yellow|grey)\b", module.__doc__)
+    assert set(named) <= _drawn_colours(picture)
     text = printed(d)
     assert all(re.search(rf"\b{key}\b", text) for key in d if not key.endswith("_error"))
     assert_equal(d, before)

@@ -9,7 +9,6 @@ import sys
 from enum import Enum
 from types import FunctionType
 
-import matplotlib.pyplot as plt
 import pytest
 
 from .command_line import PACKAGES, ROOT, called, python, read_toml
@@ -194,7 +193,7 @@ WITH_EXAMPLES = [
 def test_examples_run(name, here):
     """Examples in docstrings run as they stand, in an empty folder."""
     found = doctest.testmod(importlib.import_module(name))
-    plt.close("all")
+
     assert found.attempted > 0
     assert found.failed == 0
 

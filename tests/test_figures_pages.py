@@ -7,8 +7,8 @@ import shutil
 import sys
 from dataclasses import asdict
 from pathlib import Path
+from unittest.mock import patch
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
@@ -192,13 +192,8 @@ def test_examples_print_what_stands_below(code, output, capsys):
 def test_scripts_of_the_guide_run(code, here, monkeypatch):
     """In an empty folder, short; a law that one adds is gone behind it."""
     monkeypatch.setitem(sys.modules, "distributed", None)  # an extra that no script needs
-    laws = {**md.LAWS}
-    try:
+    with patch.dict(md.LAWS):
         exec(compile(code.replace("130", "5"), "the guide", "exec"), {})
-    finally:
-        plt.close("all")
-        for added in md.LAWS.keys() - laws.keys():
-            del md.LAWS[added]
 
 
 @pytest.mark.parametrize("command", [c for c in COMMANDS if not set(SLOW) & set(c.split())])
@@ -284,15 +279,11 @@ def test_film_is_the_run(film):
 def test_picture_shows_each_rod_where_it_is(film):
     """Images fill the box; lengths are true; the trail does not cross the picture."""
     picture = movie.Picture(film)
-    try:
-        picture.show(80)
-        axes, number = movie.segments(film, 80 * film.every)
-        picture.figure.canvas.draw()
-        drawn = np.array(picture.rods.get_segments())
-        trail = picture.trail.get_segments()
-    finally:
-        plt.close(picture.figure)
-    assert_allclose(drawn, axes)
+    picture.show(80)
+    axes, number = movie.segments(film, 80 * film.every)
+    picture.figure.canvas.draw()
+    trail = picture.trail.get_segments()
+    assert_allclose(picture.rods.get_segments(), axes)
     assert_allclose(np.linalg.norm(axes[:, 1] - axes[:, 0], axis=1), 8.5)
     centres = axes.mean(axis=1)[:, 0]
     off = (centres - film.x[80 * film.every][number]) / 7

@@ -3,7 +3,6 @@
 import re
 from itertools import groupby
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from numpy.random import default_rng
@@ -79,7 +78,6 @@ def test_fig10_shows_the_regimes_of_its_values(restitution):
         stops = last != Regime.SLIDE
         assert any("3/4" in str(line.get_label()) for line in ax.lines) == stops
     assert rf"$\epsilon={restitution:g}$" in picture.get_supxlabel()
-    plt.close(picture)
 
 
 def test_fig11_true_curve():
@@ -115,7 +113,6 @@ def test_fig11_follows_its_values(friction, restitution):
     for inset in ax.child_axes:
         tilt_deg, c_x = inset.texts[0].xy
         assert c_x == pytest.approx(np.interp(tilt_deg, np.degrees(d["tilt"]), d["c_x"]))
-    plt.close(picture)
 
 
 @pytest.mark.parametrize(
@@ -128,7 +125,6 @@ def test_fig11_names_the_curves_that_it_draws(friction, curves):
     named = {line.get_label().split()[0]: line for line in ax.lines if line.get_label()[0] != "_"}
     assert [name for name in named if name != "roots"] == curves
     assert all(np.isfinite(line.get_ydata()).any() for line in named.values())
-    plt.close(picture)
 
 
 # Fig. 12: soft impacts

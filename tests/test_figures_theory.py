@@ -1,6 +1,5 @@
 """Figures of the theory: alpha, the stationary landing, shapes of tips; gains of energy."""
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from numpy.random import default_rng
@@ -67,7 +66,7 @@ def test_the_stationary_landing_where_its_dots_stand():
 
 def test_no_tilt_of_one_half_is_drawn_where_there_is_none():
     stationary = figures.load("stationary")
-    plt.close(stationary.draw(stationary.data(quick=True, restitution=0.0)))
+    assert stationary.draw(stationary.data(quick=True, restitution=0.0)).axes
 
 
 def test_flat_end_turns_at_arctan_d_over_l():

@@ -5,7 +5,6 @@ import json
 import re
 from unittest.mock import Mock
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
@@ -134,7 +133,6 @@ def test_rows_of_the_paper_stand_beside_the_papers_theory_alone(monkeypatch):
     assert_array_equal(d["thick"], drift(rod, friction=0.1, restitution=0.65).c_x)
     picture = figures.load("fig13").draw(d)
     assert len(picture.axes) == 3
-    plt.close(picture)
 
 
 def test_a_scene_that_is_edited_is_read_again_and_may_be_plastic(mine):

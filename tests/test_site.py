@@ -46,12 +46,9 @@ def test_cells_compile(name):
 @pytest.mark.parametrize("name", ["impact", "derivation"])
 def test_cheap_notebooks_run(name, here):
     names = {}
-    try:
-        for cell in cells(NOTEBOOKS[name]):
-            exec(compile(cell, name, "exec"), names)
-        assert plt.get_fignums()
-    finally:
-        plt.close("all")
+    for cell in cells(NOTEBOOKS[name]):
+        exec(compile(cell, name, "exec"), names)
+    assert plt.get_fignums()
 
 
 def test_a_notebook_shows_a_picture_once(monkeypatch):
