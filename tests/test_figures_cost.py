@@ -2,7 +2,7 @@
 
 import json
 from functools import partial
-from itertools import combinations
+from itertools import combinations, count
 from types import SimpleNamespace
 from unittest.mock import Mock
 
@@ -223,19 +223,15 @@ ROUNDS = 300
 ALL = ROUNDS * len(TIMES)
 
 
-class Machine:
-    """A clock of its own: calls with known times, noise, and a speed that changes."""
+def calls(slowed):
+    """Calls with known times, noise, and a speed that changes from one to the next."""
+    numbers, random = count(1), default_rng(5)
 
-    def __init__(self, slowed):
-        self.slowed, self.now, self.random = slowed, 0, default_rng(5)
+    def pass_by(time):
+        late = random.exponential(20 * time) if random.random() < 0.05 else 0
+        return time * slowed(next(numbers)) * (1 + 0.03 * random.normal()) + late
 
-    def calls(self):
-        return [partial(self.pass_by, time) for time in TIMES]
-
-    def pass_by(self, time):
-        self.now += 1
-        late = self.random.exponential(20 * time) if self.random.random() < 0.05 else 0
-        return time * self.slowed(self.now) * (1 + 0.03 * self.random.normal()) + late
+    return [partial(pass_by, time) for time in TIMES]
 
 
 @pytest.mark.parametrize(
@@ -250,7 +246,7 @@ class Machine:
 )
 def test_differences_are_found_on_a_machine_that_slows_down(slowed, scale):
     """Each within its own error, which is small; in proportion to what is left of the speed."""
-    samples = timing.in_turn(Machine(slowed).calls(), ROUNDS, seed=3)
+    samples = timing.in_turn(calls(slowed), ROUNDS, seed=3)
     assert samples.shape == (ROUNDS, len(TIMES))
     times = timing.steady(samples)
     left = timing.estimate(times[:, 0]).value / TIMES[0]

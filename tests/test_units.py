@@ -41,17 +41,13 @@ SAME = {
 }
 
 
-def base(key):
-    """Tables of a row, or of a ring for keys of one."""
-    return put(TABLES, RING if key.startswith("annulus") else {})
-
-
 @pytest.mark.parametrize("key", SAME)
 def test_a_scene_in_cm_is_the_scene(key):
     """It is, and back; bit for bit where only the diameter counts, a power of two."""
     assert set(SAME) == set(TWINS)
     given, own, value = SAME[key]
-    found, same = (from_tables(put(base(key), {k: v})) for k, v in ((key, given), (own, value)))
+    base = put(TABLES, RING if key.startswith("annulus") else {})
+    found, same = (from_tables(put(base, {k: v})) for k, v in ((key, given), (own, value)))
     if key.endswith("cm") and not key.startswith("plate"):
         assert found == same
     part, name = own.split(".")
@@ -77,19 +73,19 @@ def test_what_comes_later_takes_the_place():
 # Runs
 
 
-def test_a_sweep_along_an_amplitude(tmp_path):
+def test_a_sweep_along_an_amplitude(path):
     """The axis is in cm, its points are those of the accelerations; results have either unit."""
-    store, axes = tmp_path / "a.db", [{"plate.amplitude_cm": [0.02, 0.03]}, {"start.seed": [1, 2]}]
+    axes = [{"plate.amplitude_cm": [0.02, 0.03]}, {"start.seed": [1, 2]}]
     sweep = expand({"periods": 124, "axes": axes}, TABLES)
-    execute(sweep, store, workers=1)
+    execute(sweep, path, workers=1)
     gamma = [point.scene.plate.acceleration for point in sweep.points[::2]]
     assert_allclose(gamma, sweep.values("plate.amplitude_cm") * (100 * pi) ** 2 / 981)
     same = expand({"periods": 124, "axes": [{"plate.acceleration": gamma}, axes[1]]}, TABLES)
-    assert np.isfinite(same.gather(store, "c_x")[0]).all()
-    head, *lines = map(str.split, enter("md results", store).out.splitlines())
+    assert np.isfinite(same.gather(path, "c_x")[0]).all()
+    head, *lines = map(str.split, enter("md results", path).out.splitlines())
     assert head[:5] == ["plate.acceleration", "start.seed", "c_x", "c_x_stderr", "c_x_cm_s"]
     assert len(lines) == 4
-    for row in table(store)[1]:
+    for row in table(path)[1]:
         assert (row["rods.length"], row["rods.length_cm"]) == (8.0, 4.0)
         assert row["c_x_cm_s"] == pytest.approx(row["c_x"] * sqrt(981 * 0.5))
         assert row["c_x_stderr_cm_s"] == pytest.approx(row["c_x_stderr"] * sqrt(981 * 0.5))
