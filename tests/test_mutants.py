@@ -19,24 +19,22 @@ SAMPLE = random.Random(b"".join(path.read_bytes() for path in SOURCES))  # anoth
 FEW_STEPS = SAMPLE.sample(sorted(trace.STEPS), 4)
 
 
-def survivors(found):
-    return [mutant for mutant in found if mutant.outcome == "survived"]
+def outcomes(trials):
+    """What became of each mutant; none survives."""
+    found = list(chain.from_iterable(trial() for trial in trials))
+    assert not [mutant for mutant in found if mutant.outcome == "survived"]
+    return [mutant.outcome for mutant in found]
 
 
 def test_no_deliberate_mistake_keeps_its_verdict(monkeypatch):
     """One change of each side of some entries and axioms."""
     changes = mutants.changes
     monkeypatch.setattr(mutants, "changes", lambda form: SAMPLE.sample(list(changes(form)), 1))
-    some = SAMPLE.sample(mutants.trials(), 20)
-    found = list(chain.from_iterable(trial() for trial in some))
-    assert not survivors(found)
-    assert sum(mutant.outcome == "caught" for mutant in found) > 20
+    assert outcomes(SAMPLE.sample(mutants.trials(), 20)).count("caught") > 20
 
 
 def test_no_deliberate_mistake_at_all_keeps_its_verdict():
-    found = list(chain.from_iterable(trial() for trial in mutants.trials()))
-    assert len(found) > 2000
-    assert not survivors(found)
+    assert len(outcomes(mutants.trials())) > 2000
 
 
 def negated(value):
