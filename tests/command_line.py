@@ -70,21 +70,13 @@ def refused(word, line, *more):
     return err
 
 
-def ended(
-    arguments,
-    number,
-    folder,
-    *,
-    begun=None,
-    seconds=0.0,
-    **environment,
-):
-    """Exit code and output of `python -m ...`, which gets a signal.
+def ended(number, folder, line, *more, begun=None, seconds=0.0, **environment):
+    """Exit code and output of a command in a process of its own, which gets a signal; see `enter`.
 
     So many seconds after the file `begun` is there and not empty; SIGKILL ends its children too.
     """
     process = subprocess.Popen(
-        [sys.executable, "-m", *arguments],
+        [sys.executable, "-m", *line.split(), *more],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

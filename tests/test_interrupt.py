@@ -339,7 +339,7 @@ def test_a_signal_at_any_time_ends_the_command(name, number, tmp_path):
         folder.mkdir()
         home = {"XDG_CACHE_HOME": str(folder / "cache")} if cold else {}
         seconds = random.uniform(0.3, 15)
-        code, _, error = ended(LONG[name].split(), number, folder, seconds=seconds, **home)
+        code, _, error = ended(number, folder, LONG[name], seconds=seconds, **home)
         assert code in (130, -number)
         if code < 0:  # before anything was begun
             assert not error

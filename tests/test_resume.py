@@ -163,9 +163,9 @@ def test_a_trajectory_may_begin_with_a_resumed_run():
 def test_ctrl_c_at_the_prompt(path, number):
     """Exit code 130, a result of what was done, and a checkpoint from which the run goes on."""
     trajectory = path.with_suffix(".xyz")
-    options = "--checkpoint", str(path), "--trajectory", str(trajectory), "--periods", "100000"
-    command = ["md", "run", "quasi2d", *sets(*ROW, *LIVELY), *options, "--json"]
-    code, out, err = ended(command, number, path.parent, begun=trajectory)
+    command = "md run quasi2d --periods 100000 --checkpoint rods.npz --trajectory rods.xyz --json"
+    changes = sets(*ROW, *LIVELY)
+    code, out, err = ended(number, path.parent, command, *changes, begun=trajectory)
     found = json.loads(out)
     assert (code, err, found["finished"]) == (130, "", False)
     more = found["periods"] + 2

@@ -254,8 +254,8 @@ def test_a_dead_worker_ends_the_sweep_and_the_next_one_goes_on(path, reference):
 
 def killed(folder, how, seconds):
     """Start the sweep, end it a while after there is a store; exit code, rows, last words."""
-    command = ["md", "sweep", "sweep.toml", "--store", "a.db", "--workers", "2"]
-    code, _, error = ended(command, how, folder, begun=folder / "a.db", seconds=seconds)
+    command = "md sweep sweep.toml --store a.db --workers 2"
+    code, _, error = ended(how, folder, command, begun=folder / "a.db", seconds=seconds)
     with Store(folder / "a.db", write=False) as store:
         assert store.database.execute("PRAGMA integrity_check").fetchone() == ("ok",)
         return code, len(list(store.rows())), error
