@@ -32,10 +32,10 @@ def called(*words, **options):
     return subprocess.run(words, capture_output=True, text=True, **options)
 
 
-def python(*words, cwd=ROOT, **environment):
-    """Run a command of this interpreter, which finds these packages; see `called`."""
+def python(line, *more, cwd=ROOT, **environment):
+    """Run Python with a line such as "-m md results", and what else it ends with; see `called`."""
     env = os.environ | {"PYTHONPATH": str(ROOT)} | environment
-    return called(sys.executable, *words, cwd=cwd, env=env)
+    return called(sys.executable, *line.split(), *more, cwd=cwd, env=env)
 
 
 Printed = namedtuple("Printed", "out err")

@@ -168,7 +168,7 @@ def test_public_functions_have_hints():
 
 
 def test_types_hold():
-    checked = python("-m", "mypy")
+    checked = python("-m mypy")
     assert checked.returncode == 0, checked.stdout
 
 

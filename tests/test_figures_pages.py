@@ -21,7 +21,6 @@ from figures.pages.explore import CHOICES, RANGES, ROWS, WORDS, Setting
 
 from .command_line import DOCS, ROOT, called, enter
 from .page import Page, stands_alone
-from .rows import sets
 from .test_help import ALL
 
 # The page of sliders
@@ -295,8 +294,11 @@ def test_picture_shows_each_rod_where_it_is(film):
 
 def test_command_writes_a_gif_that_loops(tmp_path):
     out = tmp_path / "row.gif"
-    given = sets("rods.count=4", "box.length=5", "step.size=4e-5")
-    printed = enter("figures movie quasi2d --periods 3 --frames 4 --out", out, *given)
+    command = (
+        "figures movie quasi2d --set rods.count=4 --set box.length=5 --set step.size=4e-5"
+        " --periods 3 --frames 4 --out"
+    )
+    printed = enter(command, out)
     assert printed == (f"{out}  12 frames\n", "")
     with Image.open(out) as gif:
         assert (gif.n_frames, gif.info["loop"], gif.size[0]) == (12, 0, 600)

@@ -216,7 +216,7 @@ def test_a_signal_that_an_import_would_lose_ends_the_command(number, tmp_path):
 def test_a_signal_that_a_late_import_would_lose_ends_the_command(tmp_path):
     """In `md` it is held back until the import is over."""
     (tmp_path / "joblib.py").write_text(LOSING.format(int(signal.SIGTERM)))
-    done = python("-m", "md", "sweep", "drift", "--store", "a.db", cwd=tmp_path)
+    done = python("-m md sweep drift --store a.db", cwd=tmp_path)
     assert (done.returncode, done.stderr.count("\n")) == (130, 1)
 
 
@@ -280,7 +280,7 @@ def test_a_file_that_is_not_finished_is_not_there(tmp_path):
 )
 def test_without_the_compiler(command, code, tmp_path):
     """What Python can do it does, slowly; what it cannot is said without a traceback."""
-    done = python("-m", *command.split(), cwd=tmp_path, NUMBA_DISABLE_JIT="1")
+    done = python(f"-m {command}", cwd=tmp_path, NUMBA_DISABLE_JIT="1")
     assert done.returncode == code
     assert bool(done.stdout) == (code == 0)
     assert ("NUMBA_DISABLE_JIT is set" in done.stderr) == (code > 0)

@@ -125,7 +125,7 @@ def test_without_a_folder_kernels_are_compiled_each_time(tmp_path, monkeypatch):
         assert cache.directory.__wrapped__() is None
     monkeypatch.setattr(cache, "directory", lambda: None)
     assert cache.kernel(lambda x: 2 * x)(2.0) == 4.0
-    done = python("-m", "md", "--help")
+    done = python("-m md --help")
     assert (done.returncode, done.stderr.count("\n")) == (0, 1)
     assert "compiled kernels cannot be kept" in done.stderr
 

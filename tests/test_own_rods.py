@@ -46,7 +46,7 @@ def test_a_figure_is_drawn_from_values_of_ones_own(tmp_path, monkeypatch):
     command = "-m figures draw fig10 fig11 --friction 0.2 --restitution 0.5"
     assert f"python {command}  " in (ROOT / "README.md").read_text("utf-8")
     small = "--quick", "--jobs", "2", "--out", tmp_path
-    assert python(*command.split(), *small).returncode == 0
+    assert python(command, *small).returncode == 0
     ten, eleven = (kept_data(name, tmp_path) for name in ("fig10", "fig11"))
     assert (ten["restitution"], ten["marked"]) == (0.5, 0.2)
     assert (eleven["restitution"], eleven["friction"]) == (0.5, 0.2)

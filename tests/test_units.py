@@ -16,7 +16,6 @@ from md.sweep import execute, expand
 from md.units import TWINS, error_of, in_cm, labelled
 
 from .command_line import enter
-from .rows import sets
 
 SCENE = """
 rods = { count = 3, length = 8.0, diameter_cm = 0.5 }
@@ -93,12 +92,14 @@ def test_a_sweep_along_an_amplitude(path):
 
 def test_what_a_run_prints_in_cm(tmp_path):
     """It prints rods, plate, drift and time; JSON says what one unit is, and what was run."""
-    soft = (f"contacts.{part}.stiffness=1e4" for part in ("plate", "rods"))
-    command = "md run my_rods --periods 124", *sets("rods.count=3", "box.length_cm=2", *soft)
-    printed = enter(*command, "--trajectory", tmp_path / "a.xyz").out.splitlines()
+    command = (
+        "md run my_rods --periods 124 --set rods.count=3 --set box.length_cm=2"
+        " --set contacts.plate.stiffness=1e4 --set contacts.rods.stiffness=1e4"
+    )
+    printed = enter(command, "--trajectory", tmp_path / "a.xyz").out.splitlines()
     assert printed[0] == "rods         3 of 5.08 by 0.635 cm, in a box of 2 cm that repeats"
     assert "periods      124 = 2.067 s; the first 24 are left out of the means" in printed
-    found = json.loads(enter(*command, "--json").out, parse_constant=pytest.fail)
+    found = json.loads(enter(command, "--json").out, parse_constant=pytest.fail)
     units, cm = found["units"], found["scene_in_cm"]
     assert f"= {found['c_x_cm_s']:.4g} +- {found['c_x_stderr_cm_s']:.2g} cm/s" in printed[2]
     assert found["c_x_cm_s"] == pytest.approx(found["c_x"] * units["velocity_cm_s"])
