@@ -17,7 +17,7 @@ gives way at mu F_n (`spring_friction`), or no element at all but the constraint
 zero as long as |F_t| <= mu F_n (`constraint_friction`).
 """
 
-from math import copysign, inf, sqrt
+from math import copysign, sqrt
 from typing import NamedTuple
 
 from ..cache import kernel
@@ -155,47 +155,18 @@ def elastic_energy(normal, overlap):
 
 
 @kernel
-def largest(plastic, half, free, light, dt):
-    """Upper limit of F_n in a step: a plastic contact just stops at its end, others have none."""
-    if plastic is None:
-        return inf
-    return -(2 * free - half) / (light * dt)
-
-
-@kernel
-def damped(normal, overlap, free, light, implicit):
-    """Elastic force with dashpots, solved for its own velocity: (elastic - c v)/(1 + c t/M).
-
-    `free` is v, the velocity without this force; `light` is 1/M; `implicit` is t, the time for
-    which the force acts on v.
-    """
-    c = dashpot(normal, overlap, sqrt(overlap), 1 / light)
-    return (elastic(normal, overlap) - c * free) / (1 + c * implicit * light)
-
-
-@kernel
-def with_dashpots(quarter, proportional, constant, normal, overlap, free, light, implicit):
-    """Elastic force of a contact with its dashpots, if it has any; arguments as of `damped`.
-
-    The dashpots are separate arguments, as Numba drops a branch by a test of one argument.
-    """
-    if quarter is None:  # noqa: SIM102
-        if proportional is None:  # noqa: SIM102
-            if constant is None:
-                return elastic(normal, overlap)
-    return damped(normal, overlap, free, light, implicit)
-
-
-@kernel
 def normal_force(normal, overlap, half, free, light, implicit, dt):
-    """F_n >= 0 of a contact with overlap > 0, solved for the velocity of its own moment.
+    """F_n >= 0 of a contact with overlap > 0: (elastic - c v)/(1 + c t/M) with dashpots.
 
-    `half`, `free`: velocity at which it opens, half a step before, and at the step but without F_n;
-    `light`: 1/M; `implicit`: time for which F_n acts on `free`, dt/2 or 0.
+    `half`, `free`: velocity at which it opens, half a step before, and v, at the step but without
+    F_n; `light`: 1/M; `implicit`: t, the time for which F_n acts on v, dt/2 or 0.
     """
-    dashpots = normal.quarter, normal.proportional, normal.constant
-    force = with_dashpots(*dashpots, normal, overlap, free, light, implicit)
-    return max(min(force, largest(normal.plastic, half, free, light, dt)), 0.0)
+    force, c = elastic(normal, overlap), dashpot(normal, overlap, sqrt(overlap), 1 / light)
+    if normal.quarter is not None or normal.proportional is not None or normal.constant is not None:
+        force = (force - c * free) / (1 + c * implicit * light)
+    if normal.plastic is not None:  # at most what stops it in this step
+        force = min(force, -(2 * free - half) / (light * dt))
+    return max(force, 0.0)
 
 
 @kernel
