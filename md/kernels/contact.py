@@ -194,14 +194,6 @@ def turning(rolling, w, director):
 
 
 @kernel
-def swung(rolling, w, director, arm):
-    """Velocity of the end of an arm from the centre of a rod, by the rod's turn w alone."""
-    if len(arm) == 2:
-        return swing(w, arm)
-    return swing(turning(rolling, w, director), arm)
-
-
-@kernel
 def moved(inertia, bodies, force):
     """Acceleration of the first body against the second at the contact, by a force on the first.
 
@@ -210,7 +202,7 @@ def moved(inertia, bodies, force):
     total = times(1.0 * len(bodies), force)
     for arm, director in bodies:
         w = turn_by(inertia, torque(arm, force), director)
-        total = along(total, 1.0, swung(inertia.rolling, w, director, arm))
+        total = along(total, 1.0, swing(turning(inertia.rolling, w, director), arm))
     return total
 
 

@@ -13,9 +13,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..cache import kernel
-from .contact import ContactForces, Friction, Inertia, Normal, swung
+from .contact import ContactForces, Friction, Inertia, Normal, turning
 from .neighbours import Listed
-from .vectors import IN_PLANE, along, axial, nothing, nothing_across, put, raised, vector
+from .vectors import IN_PLANE, along, axial, nothing, nothing_across, put, raised, swing, vector
 
 
 class Motion(NamedTuple):
@@ -129,7 +129,7 @@ def point(effects, velocity, turn, director, arm):
     Given accelerations in place of velocity and turn, it is the acceleration of the point without
     the part by the motion of the arm.
     """
-    return along(velocity, 1.0, swung(effects.rolling, turn, director, arm))
+    return along(velocity, 1.0, swing(turning(effects.rolling, turn, director), arm))
 
 
 @kernel
