@@ -276,7 +276,7 @@ def test_a_new_spring_grows_since_the_touch(overlap, part):
     arm = (0.0, -1.0)
     meeting = Meeting(
         ((arm, arm),), (0.0, 1.0), overlap, (slip, -1.0), (0.0, 0.0), 0.0, (0.0,), (0.0,),
-        None, None, (0.0, 0.0),
+        (0.0, 0.0), None, (0.0, 0.0),
     )  # fmt: skip
     found = contact(Normal(1e5), friction, Inertia(1.0, None), meeting, dt)
     assert found.spring[0] == pytest.approx(part * slip * dt, rel=1e-12)

@@ -13,7 +13,7 @@ import numpy as np
 from ..cache import kernel
 from .contact import Inertia, Meeting, contact, losses
 from .state import Kept, keep, kept_of
-from .vectors import add, along, dot, nothing_across, spread, times, torque
+from .vectors import add, along, dot, nothing, nothing_across, spread, times, torque
 
 SIZE = 64  # contacts; fixed, so that the compiler knows how far apart numbers lie
 MOST = SIZE - 8  # contacts collected at most before the next pair or rod is looked at
@@ -186,7 +186,7 @@ def act_on(alike, ledger, numbers, c, dt):
     half, gain = get_vector(numbers, HALF, c, up), get_vector(numbers, GAIN, c, up)
     meeting = Meeting(
         bodies, times(1.0 / distance, gap), max(1.0 - distance, 0.0), half, gain,
-        kept.force, kept.rub, kept.spring, None, None, half,
+        kept.force, kept.rub, kept.spring, nothing(half), None, half,
     )  # fmt: skip
     found = contact(law.normal, law.friction, inertia, meeting, dt)
     note_losses(ledger, law.normal, numbers, c, meeting, found, dt)

@@ -102,7 +102,7 @@ class Meeting(NamedTuple):
     pressed: float  # m g; F_n of the step before, or as far as known
     rubbed: tuple  # m g; F_t likewise, across `out`
     spring: tuple  # d; length of the tangential spring, across `out`
-    swept: tuple | None  # g; acceleration of the slip by the motion of the arm; None: neglected
+    swept: tuple  # g; acceleration of the slip by the motion of the arm; zero: neglected
     explicit: bool | None  # True: dashpots see `now`; None: they see the velocity of their step
     now: tuple  # sqrt(g d); velocity for explicit dashpots
 
@@ -322,31 +322,16 @@ def constraint_friction(compliance, slip, drive, limit, dt):
 
 
 @kernel
-def constrained(inertia, bodies, out, half, limit, drive, dt):
+def constrained(inertia, bodies, half, limit, drive, dt):
     """F_t of a constraint, for one body on a level surface; arguments as in `Meeting`."""
-    if len(out) == 2:
-        e = spread((1.0,), out)
-        compliance = (dot(moved(inertia, bodies, e), e),)
-        return constraint_friction(compliance, across(half, out), across(drive, out), limit, dt)
+    slip, drive = half[:-1], drive[:-1]
+    if len(half) == 2:
+        x = moved(inertia, bodies, (1.0, 0.0))
+        return constraint_friction((x[0],), slip, drive, limit, dt)
     x = moved(inertia, bodies, (1.0, 0.0, 0.0))
     y = moved(inertia, bodies, (0.0, 1.0, 0.0))
-    slip, drive = (half[0], half[1]), (drive[0], drive[1])
     f = constraint_friction((x[0], x[1], y[1]), slip, drive, limit, dt)
     return f[0], f[1], 0.0
-
-
-@kernel
-def along_surface(length, out):
-    """Length of a tangential spring, projected across the normal, which turns from step to step."""
-    if len(out) == 2:
-        return length
-    return across(length, out)
-
-
-@kernel
-def arm_moved(swept, drive):
-    """Acceleration of the slip, that by the motion of the arm included unless it is `None`."""
-    return drive if swept is None else along(drive, 1.0, swept)
 
 
 @kernel
@@ -358,10 +343,10 @@ def element_friction(spring, inertia, meeting, slip, limit, dt):
     """
     n, bodies = meeting.out, meeting.bodies
     if spring is None:
-        drive = arm_moved(meeting.swept, slip.drive)
-        return constrained(inertia, bodies, n, meeting.half, limit, drive, dt), meeting.spring
+        drive = along(slip.drive, 1.0, meeting.swept)
+        return constrained(inertia, bodies, meeting.half, limit, drive, dt), meeting.spring
     half, free, many = across(meeting.half, n), across(slip.velocity, n), len(bodies)
-    length = along_surface(meeting.spring, n)
+    length = across(meeting.spring, n)  # it turns from step to step
     stretched = along(length, slip.since, half)
     light = tangential_light(inertia, bodies, n, along(stretched, dt, free))
     constants = tangential_constants(spring, meeting.overlap, 1 / light)

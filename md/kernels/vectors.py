@@ -67,7 +67,12 @@ def swing(omega, arm):
 
 @kernel
 def across(v, normal):
-    """Tangential part of a vector: in the plane one number, along (n_z, -n_x); n: unit normal."""
+    """Tangential part of a vector: in the plane one number, along (n_z, -n_x); n: unit normal.
+
+    What is a tangential part already, under another normal, is projected in space.
+    """
+    if len(v) == 1:
+        return v
     if len(v) == 2:
         return (v[0] * normal[1] - v[1] * normal[0],)
     return along(v, -dot(v, normal), normal)
