@@ -8,7 +8,7 @@ import pytest
 import md
 from md.kernels import single
 from md.kernels.codes import DONE, NOT_FINITE
-from md.kernels.contact import Friction, Inertia, Meeting, Normal, Spring, contact
+from md.kernels.contact import Friction, Inertia, Kept, Meeting, Normal, Spring, contact
 from md.kernels.single import State
 from md.laws import contact_time, deepest_overlap, largest_step
 from md.soft_impact import stopped_run
@@ -275,11 +275,11 @@ def test_a_new_spring_grows_since_the_touch(overlap, part):
     friction = Friction(1.0, Spring(root=1.0))
     arm = (0.0, -1.0)
     meeting = Meeting(
-        ((arm, arm),), (0.0, 1.0), overlap, (slip, -1.0), (0.0, 0.0), 0.0, (0.0,), (0.0,),
+        ((arm, arm),), (0.0, 1.0), overlap, (slip, -1.0), (0.0, 0.0), Kept(0.0, (0.0,), (0.0,)),
         (0.0, 0.0), None, (0.0, 0.0),
     )  # fmt: skip
     found = contact(Normal(1e5), friction, Inertia(1.0, None), meeting, dt)
-    assert found.spring[0] == pytest.approx(part * slip * dt, rel=1e-12)
+    assert found.kept.spring[0] == pytest.approx(part * slip * dt, rel=1e-12)
 
 
 # M16: a state that is no longer one

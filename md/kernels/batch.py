@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..cache import kernel
-from .contact import Inertia, Meeting, contact, losses
-from .state import Kept, keep, kept_of
+from .contact import Inertia, Kept, Meeting, contact
+from .state import keep, kept_of
 from .vectors import add, along, dot, nothing, nothing_across, spread, times, torque
 
 SIZE = 64  # contacts; fixed, so that the compiler knows how far apart numbers lie
@@ -167,13 +167,12 @@ def fill_torques(numbers, c, bodies, force):
 
 
 @kernel
-def note_losses(ledger, law, numbers, c, meeting, found, dt):
+def note_losses(ledger, numbers, c, lost):
     """Store the energies lost in contact c in this step, if there is a ledger."""
     if ledger is not None:
         share = get(numbers, SHARE, c)
-        normal, friction = losses(law, meeting, found, dt)
-        fill(numbers, NORMAL_LOSS, c, share * normal)
-        fill(numbers, FRICTION_LOSS, c, share * friction)
+        fill(numbers, NORMAL_LOSS, c, share * lost[0])
+        fill(numbers, FRICTION_LOSS, c, share * lost[1])
 
 
 @kernel
@@ -181,17 +180,15 @@ def act_on(alike, ledger, numbers, c, dt):
     """Compute contact c and store its force, torques, spring and losses."""
     law, rods, inertia, up, _ = alike
     gap, bodies = get_vector(numbers, GAP, c, up), bodies_of(rods, numbers, c, up)
-    kept = get_kept(numbers, c, up)
     distance = sqrt(dot(gap, gap))
     half, gain = get_vector(numbers, HALF, c, up), get_vector(numbers, GAIN, c, up)
-    meeting = Meeting(
-        bodies, times(1.0 / distance, gap), max(1.0 - distance, 0.0), half, gain,
-        kept.force, kept.rub, kept.spring, nothing(half), None, half,
-    )  # fmt: skip
+    out, overlap = times(1.0 / distance, gap), max(1.0 - distance, 0.0)
+    kept = get_kept(numbers, c, up)
+    meeting = Meeting(bodies, out, overlap, half, gain, kept, nothing(half), None, half)
     found = contact(law.normal, law.friction, inertia, meeting, dt)
-    note_losses(ledger, law.normal, numbers, c, meeting, found, dt)
-    fill_kept(numbers, c, Kept(found.normal, found.rub, found.spring))
-    push = along(spread(found.rub, meeting.out), found.normal, meeting.out)
+    note_losses(ledger, numbers, c, found.lost)
+    fill_kept(numbers, c, found.kept)
+    push = along(spread(found.kept.rub, out), found.kept.force, out)
     force = times(get(numbers, SHARE, c), push)
     fill_all(numbers, FORCE, c, force)
     fill_torques(numbers, c, bodies, force)

@@ -91,6 +91,14 @@ class Inertia(NamedTuple):
     rolling: float | None  # I/I_axial - 1; None: no rotation of a rod about its axis
 
 
+class Kept(NamedTuple):
+    """Forces and spring that a contact keeps from one step for the next."""
+
+    force: float  # F_n, m g
+    rub: tuple  # F_t, m g: across the normal
+    spring: tuple  # d; length of the tangential spring, across the normal
+
+
 class Meeting(NamedTuple):
     """Contact before its forces of the step: a body against another one or a surface."""
 
@@ -98,10 +106,8 @@ class Meeting(NamedTuple):
     out: tuple  # unit vector from the second body or the surface to the first
     overlap: float  # d, > 0
     half: tuple  # sqrt(g d); velocity of the first body against the second half a step before
-    gain: tuple  # g; acceleration of that velocity as far as known, `pressed` and `rubbed` included
-    pressed: float  # m g; F_n of the step before, or as far as known
-    rubbed: tuple  # m g; F_t likewise, across `out`
-    spring: tuple  # d; length of the tangential spring, across `out`
+    gain: tuple  # g; acceleration of that velocity as far as known, by `kept` too
+    kept: Kept  # of the step before, or as far as known
     swept: tuple  # g; acceleration of the slip by the motion of the arm; zero: neglected
     explicit: bool | None  # True: dashpots see `now`; None: they see the velocity of their step
     now: tuple  # sqrt(g d); velocity for explicit dashpots
@@ -117,13 +123,11 @@ class Slip(NamedTuple):
 
 
 class Force(NamedTuple):
-    """Forces of a contact on its first body, the new spring and the velocities of the step."""
+    """Forces of a contact on its first body in a step, and what they lose."""
 
-    normal: float  # F_n, m g
-    rub: tuple  # F_t, m g: across `out`
-    spring: tuple  # d; new length of the tangential spring, across `out`
-    rate: float  # sqrt(g d), at which the contact opens (+) or closes (-)
-    slip: tuple  # sqrt(g d), at the step, across `out`
+    kept: Kept  # forces and new spring
+    rate: float  # sqrt(g d), at which the contact opens (+) or closes (-) at the step
+    lost: tuple[float, float]  # m g d; in the normal dashpot, and by friction
 
 
 @kernel
@@ -344,13 +348,13 @@ def element_friction(spring, inertia, meeting, slip, limit, dt):
     n, bodies = meeting.out, meeting.bodies
     if spring is None:
         drive = along(slip.drive, 1.0, meeting.swept)
-        return constrained(inertia, bodies, meeting.half, limit, drive, dt), meeting.spring
+        return constrained(inertia, bodies, meeting.half, limit, drive, dt), meeting.kept.spring
     half, free, many = across(meeting.half, n), across(slip.velocity, n), len(bodies)
-    length = across(meeting.spring, n)  # it turns from step to step
+    length = across(meeting.kept.spring, n)  # it turns from step to step
     stretched = along(length, slip.since, half)
     light = tangential_light(inertia, bodies, n, along(stretched, dt, free))
     constants = tangential_constants(spring, meeting.overlap, 1 / light)
-    free = along(free, -slip.implicit * (many - 1) * light, meeting.rubbed)
+    free = along(free, -slip.implicit * (many - 1) * light, meeting.kept.rub)
     light *= many
     return spring_friction(
         constants, light, limit, length, stretched, (half, free), slip.implicit, dt
@@ -361,7 +365,7 @@ def element_friction(spring, inertia, meeting, slip, limit, dt):
 def friction_force(friction, inertia, meeting, slip, force, dt):
     """F_t under a normal force, and the spring's new length; without friction F_t is zero."""
     if friction is None:
-        return nothing(meeting.spring), meeting.spring
+        return nothing(meeting.kept.rub), meeting.kept.spring
     limit = friction.coefficient * force
     return element_friction(friction.spring, inertia, meeting, slip, limit, dt)
 
@@ -380,37 +384,22 @@ def moved_by(friction, inertia, bodies, out, rub):
 
 
 @kernel
-def at_step(explicit, now, half, gain, dt):
-    """Velocity that dashpots see, as far as known, and the time for which a force acts on it.
-
-    `explicit`: None: velocity of the step, on which a force acts for dt/2; True: `now`, on which it
-    does not act.
-    """
-    if explicit is None:
-        return along(half, dt / 2, gain), dt / 2
-    return now, 0.0
-
-
-@kernel
 def contact(normal, friction, inertia, meeting, dt):
     """Compute the `Force` of a `Meeting`: first F_n, with the last F_t, then F_t under this F_n."""
-    n, overlap, bodies = meeting.out, meeting.overlap, meeting.bodies
-    velocity, implicit = at_step(meeting.explicit, meeting.now, meeting.half, meeting.gain, dt)
+    n, overlap, bodies, last = meeting.out, meeting.overlap, meeting.bodies, meeting.kept
+    velocity, implicit = meeting.now, 0.0  # what dashpots see; how long a force acts on it
+    if meeting.explicit is None:
+        velocity, implicit = along(meeting.half, dt / 2, meeting.gain), dt / 2
     push = moved(inertia, bodies, n)  # acceleration of the contact by a unit normal force
     light, closing = dot(push, n), dot(meeting.half, n)
-    free = dot(velocity, n) - implicit * light * meeting.pressed
+    free = dot(velocity, n) - implicit * light * last.force
     force = normal_force(normal, overlap, closing, free, light, implicit, dt)
-    change = times(force - meeting.pressed, push)
-    change = along(change, -1.0, moved_by(friction, inertia, bodies, n, meeting.rubbed))
+    change = times(force - last.force, push)
+    change = along(change, -1.0, moved_by(friction, inertia, bodies, n, last.rub))
     velocity, drive = along(velocity, implicit, change), along(meeting.gain, 1.0, change)
     slip = Slip(velocity, drive, touching(overlap, closing, dt), implicit)
     rub, spring = friction_force(friction, inertia, meeting, slip, force, dt)
     now = along(velocity, implicit, moved_by(friction, inertia, bodies, n, rub))
-    return Force(force, rub, spring, dot(now, n), across(now, n))
-
-
-@kernel
-def losses(normal, meeting, found, dt):
-    """Energies lost in a step, m g d: in the normal dashpot, and by friction."""
-    lost = elastic(normal, meeting.overlap) - found.normal
-    return dt * found.rate * lost, -dt * dot(found.rub, found.slip)
+    rate = dot(now, n)
+    lost = dt * rate * (elastic(normal, overlap) - force), -dt * dot(rub, across(now, n))
+    return Force(Kept(force, rub, spring), rate, lost)

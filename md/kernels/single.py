@@ -22,8 +22,8 @@ from typing import Any, NamedTuple
 
 from ..cache import kernel
 from .codes import DEEP, DONE, FREE, NOT_FINITE, OPENED, STICK, TOO_DEEP
-from .contact import dashpot, tangential_constants
-from .state import Kept, field
+from .contact import Kept, dashpot, tangential_constants
+from .state import field
 from .surfaces import Moving, plate_at, plate_forces
 from .touches import seen, watched
 from .vectors import ZERO, along, times, turned

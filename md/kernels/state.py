@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..cache import kernel
-from .contact import ContactForces, Friction, Inertia, Normal, turning
+from .contact import ContactForces, Friction, Inertia, Kept, Normal, turning
 from .neighbours import Listed
 from .vectors import IN_PLANE, along, axial, nothing, nothing_across, put, raised, swing, vector
 
@@ -51,14 +51,6 @@ class Effects(NamedTuple):
     inner: Wall | None = None
     outer: Wall | None = None
     shaken: bool | None = None  # True: both walls move with the plate; None: they are at rest
-
-
-class Kept(NamedTuple):
-    """Forces and spring that a contact keeps from one step for the next."""
-
-    force: float  # F_n, m g
-    rub: tuple  # F_t, m g: across the normal
-    spring: tuple  # its length, d
 
 
 class Scratch(NamedTuple):

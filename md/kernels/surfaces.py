@@ -13,9 +13,9 @@ import numpy as np
 from ..cache import kernel
 from .batch import FORCE, MOST, ONE, Alike, Given, acted, enter, get
 from .codes import DEEP, INNER, OUTER, PLATE_WORK, WALL_FRICTION, WALL_NORMAL
-from .contact import Meeting, contact, elastic_energy, losses, turn_by, turning
+from .contact import Kept, Meeting, contact, elastic_energy, turn_by, turning
 from .pairs import NEARER, moving, pull, rise
-from .state import Kept, director_of, forget, inertia_of, nothing_kept, place_of, point
+from .state import director_of, forget, inertia_of, nothing_kept, place_of, point
 from .vectors import (
     IN_SPACE,
     along,
@@ -135,16 +135,10 @@ def pressed(effects, rod, touch, plate, forces, dt):
     gain = point(effects, forces[0], turn_by(inertia, forces[1], director), director, arm)
     now = raised(point(effects, rod.now[0], rod.now[1], director, arm), -plate[1])
     sweep = swept(effects.rolling, rod, arm, end, plate)
-    meeting = Meeting(
-        ((arm, director),), normal, overlap, half, gain, kept.force, kept.rub, kept.spring,
-        sweep, rod.explicit, now,
-    )  # fmt: skip
+    bodies = ((arm, director),)
+    meeting = Meeting(bodies, normal, overlap, half, gain, kept, sweep, rod.explicit, now)
     found = contact(effects.normal, effects.friction, inertia, meeting, dt)
-    lost, kept = (
-        losses(effects.normal, meeting, found, dt),
-        Kept(found.normal, found.rub, found.spring),
-    )
-    return Touch(overlap, end, arm, half, kept, found.rate, lost)
+    return Touch(overlap, end, arm, half, found.kept, found.rate, found.lost)
 
 
 @kernel
