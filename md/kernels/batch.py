@@ -12,8 +12,8 @@ import numpy as np
 
 from ..cache import kernel
 from .contact import Inertia, Kept, Meeting, contact
-from .state import keep, kept_of
-from .vectors import add, along, dot, nothing, nothing_across, spread, times, torque
+from .state import keep, kept_of, pull
+from .vectors import along, dot, nothing, nothing_across, spread, times
 
 SIZE = 64  # contacts; fixed, so that the compiler knows how far apart numbers lie
 MOST = SIZE - 8  # contacts collected at most before the next pair or rod is looked at
@@ -28,9 +28,9 @@ SHARE = 21  # weight of the contact, 0 to 1, if several are one
 # Kept, of the step before, then of this one, for a contact of the weight 1:
 PRESSED, RUB, SPRING = 22, 23, 26  # F_n, F_t, length of the spring
 # Results:
-FORCE, TORQUE = 29, 32  # TORQUE on the first rod, 3 further on the second, as of arms
-NORMAL_LOSS, FRICTION_LOSS = 38, 39  # of this step
-NUMBERS = 40
+FORCE = 29  # on the first rod
+NORMAL_LOSS, FRICTION_LOSS = 32, 33  # of this step
+NUMBERS = 34
 
 ONE, TWO = (1,), (1, 1)  # number of rods of a contact, as the length of a tuple
 
@@ -97,12 +97,6 @@ def get_vector(numbers, what, c, like):
 
 
 @kernel
-def get_axial(numbers, what, c, up):
-    """Torque or tangential part of contact c, from number `what` on: 1 or 3 numbers."""
-    return get_vector(numbers, what, c, nothing_across(up))
-
-
-@kernel
 def fill_all(numbers, what, c, v):
     """Store a vector of contact c, from number `what` on."""
     for k in range(len(v)):
@@ -112,7 +106,8 @@ def fill_all(numbers, what, c, v):
 @kernel
 def get_kept(numbers, c, up):
     """`Kept` of contact c, as for the weight 1."""
-    rub, spring = get_axial(numbers, RUB, c, up), get_axial(numbers, SPRING, c, up)
+    part = nothing_across(up)
+    rub, spring = get_vector(numbers, RUB, c, part), get_vector(numbers, SPRING, c, part)
     return Kept(get(numbers, PRESSED, c), rub, spring)
 
 
@@ -159,14 +154,6 @@ def bodies_of(rods, numbers, c, up):
 
 
 @kernel
-def fill_torques(numbers, c, bodies, force):
-    """Store the torques on both bodies of contact c, by a force on the first."""
-    for rod in range(len(bodies)):
-        sign = 1.0 - 2.0 * rod  # the opposite force acts on the second
-        fill_all(numbers, TORQUE + 3 * rod, c, times(sign, torque(bodies[rod][0], force)))
-
-
-@kernel
 def note_losses(ledger, numbers, c, lost):
     """Store the energies lost in contact c in this step, if there is a ledger."""
     if ledger is not None:
@@ -177,7 +164,7 @@ def note_losses(ledger, numbers, c, lost):
 
 @kernel
 def act_on(alike, ledger, numbers, c, dt):
-    """Compute contact c and store its force, torques, spring and losses."""
+    """Compute contact c and store its force, spring and losses."""
     law, rods, inertia, up, _ = alike
     gap, bodies = get_vector(numbers, GAP, c, up), bodies_of(rods, numbers, c, up)
     distance = sqrt(dot(gap, gap))
@@ -189,9 +176,7 @@ def act_on(alike, ledger, numbers, c, dt):
     note_losses(ledger, numbers, c, found.lost)
     fill_kept(numbers, c, found.kept)
     push = along(spread(found.kept.rub, out), found.kept.force, out)
-    force = times(get(numbers, SHARE, c), push)
-    fill_all(numbers, FORCE, c, force)
-    fill_torques(numbers, c, bodies, force)
+    fill_all(numbers, FORCE, c, times(get(numbers, SHARE, c), push))
 
 
 @kernel
@@ -218,9 +203,9 @@ def acted(alike, kept, sums, batch, ledger, count, dt):
     for c in range(count):
         force = get_vector(numbers, FORCE, c, up)
         for rod in range(len(alike.rods)):
-            i = np.uint64(place[c, rod])
-            add(sums, i, 0, times(1.0 - 2.0 * rod, force))
-            add(sums, i, len(force), get_axial(numbers, TORQUE + 3 * rod, c, up))
+            sign = 1.0 - 2.0 * rod  # the opposite force acts on the second
+            arm = get_vector(numbers, ARM + 3 * rod, c, up)
+            pull(sums, np.uint64(place[c, rod]), arm, times(sign, force))
         row, slot = np.uint64(place[c, 2]), np.uint64(place[c, 3])
         keep(forces, springs, row, slot, get_kept(numbers, c, up))
     booked(ledger, numbers, alike.columns, count)

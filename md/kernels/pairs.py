@@ -46,8 +46,8 @@ from .neighbours import (
     outdated,
     renewed,
 )
-from .state import director_of, forget, inertia_of, place_of, point, turn_of, velocity_of
-from .vectors import add, along, axial, dot, put, times, torque, vector
+from .state import director_of, forget, inertia_of, place_of, point, pull, turn_of, velocity_of
+from .vectors import along, axial, dot, put, times, vector
 
 BELOW_ONE = 1.0 - 2.0**-53  # next to 1
 NEARER = 0.1  # d; by so much nearer than all ends, a contact between them counts in full
@@ -151,13 +151,6 @@ def repel(total, pair, s, t, gap, force):
     f = times(force / sqrt(dot(gap, gap)), gap)
     pull(total, pair.i, times(s, pair.a), f)
     pull(total, pair.j, times(t, pair.b), times(-1.0, f))
-
-
-@kernel
-def pull(total, i, arm, force):
-    """Add a force at an arm, and its torque, to rod i."""
-    add(total, i, 0, force)
-    add(total, i, len(force), torque(arm, force))
 
 
 # Ends that meet

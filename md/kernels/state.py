@@ -15,7 +15,19 @@ import numpy as np
 from ..cache import kernel
 from .contact import ContactForces, Friction, Inertia, Kept, Normal, turning
 from .neighbours import Listed
-from .vectors import IN_PLANE, along, axial, nothing, nothing_across, put, raised, swing, vector
+from .vectors import (
+    IN_PLANE,
+    add,
+    along,
+    axial,
+    nothing,
+    nothing_across,
+    put,
+    raised,
+    swing,
+    torque,
+    vector,
+)
 
 
 class Motion(NamedTuple):
@@ -138,6 +150,13 @@ def gravity_force(gravity, like):
 def field(effects, velocity):
     """Force on a rod by all effects but contacts, m g."""
     return gravity_force(effects.gravity, velocity)
+
+
+@kernel
+def pull(total, i, arm, force):
+    """Add a force at an arm, and its torque, to rod i."""
+    add(total, i, 0, force)
+    add(total, i, len(force), torque(arm, force))
 
 
 @kernel

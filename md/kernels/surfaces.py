@@ -14,8 +14,8 @@ from ..cache import kernel
 from .batch import FORCE, MOST, ONE, Alike, Given, acted, enter, get
 from .codes import DEEP, INNER, OUTER, PLATE_WORK, WALL_FRICTION, WALL_NORMAL
 from .contact import Kept, Meeting, contact, elastic_energy, turn_by, turning
-from .pairs import NEARER, moving, pull, rise
-from .state import director_of, forget, inertia_of, nothing_kept, place_of, point
+from .pairs import NEARER, moving, rise
+from .state import director_of, forget, inertia_of, nothing_kept, place_of, point, pull
 from .vectors import (
     IN_SPACE,
     along,
