@@ -39,19 +39,16 @@ from .neighbours import between_ends, gap_vector, near_end, too_fast
 from .pairs import NEARER, ends_of, nearer, pair_forces, rise, seen_through
 from .state import (
     Clock,
-    director_of,
     field,
+    forces_at,
     forget,
     gravity_force,
     inertia_of,
     keep,
     kept_of,
-    place_of,
-    turn_of,
-    velocity_of,
+    rod_of,
 )
 from .surfaces import (
-    Moving,
     from_above,
     from_axis,
     passes,
@@ -61,7 +58,7 @@ from .surfaces import (
     within,
 )
 from .touches import Record, cleared, full, recorded
-from .vectors import IN_PLANE, IN_SPACE, along, axial, dot, height, nothing, put, rotated, vector
+from .vectors import IN_PLANE, IN_SPACE, along, dot, height, nothing, put, rotated
 
 
 class Series(NamedTuple):
@@ -87,7 +84,7 @@ def sample_row(series, rods, row, start):
     """Add a sample of a row to its series; `start`: whether it is the first of a period."""
     n, x, tilt, rows = rods.shape[0], 0.0, 0.0, series.rows
     for i in range(n):
-        sine, cosine = director_of(IN_PLANE, rods, i)
+        sine, cosine = rod_of(IN_PLANE, rods, i).director
         x += rods[i, 0]
         tilt += atan(sine / cosine) if cosine != 0.0 else np.pi / 2  # a rod has no head
         if cosine * series.last[i] < 0:
@@ -103,7 +100,7 @@ def sample_annulus(series, rods, row):
     """Add a sample of an annulus to its series."""
     n, advance, tilt, rows = rods.shape[0], 0.0, 0.0, series.rows
     for i in range(n):
-        place, director = place_of(IN_SPACE, rods, i), director_of(IN_SPACE, rods, i)
+        place, director = rod_of(IN_SPACE, rods, i)[:2]
         azimuth = atan2(place[1], place[0])
         step_on = azimuth - series.last[i]
         advance += step_on - 2.0 * pi * np.floor(step_on / (2.0 * pi) + 0.5)
@@ -145,27 +142,24 @@ def on_plate(normal, effects, state, watchers, i, plate, clock):
     if normal is None:
         return False
     up, rods, total = effects.up, state.rods, state.scratch.total
-    forces, springs, director = state.forces, state.springs, director_of(up, rods, i)
-    z = height(place_of(up, rods, i))
-    if z - abs(height(director)) * effects.half_length - 0.5 >= plate[0]:
+    forces, springs, rod = state.forces, state.springs, rod_of(up, rods, i)
+    lowest = height(rod.place) - abs(height(rod.director)) * effects.half_length - 0.5
+    if lowest >= plate[0]:
         for cap in range(2):
             forget(up, forces, springs, i, PLATE_CAPS + cap)
         cleared(watchers.record, effects, rods, i, plate, clock.step)
         return False
-    velocity, turn, dims = velocity_of(up, rods, i), turn_of(up, rods, i), len(up)
-    others = vector(total, i, 0, up), axial(total, i, dims, up)
+    others = forces_at(up, total, i)
     kept = (
         kept_of(up, forces, springs, i, PLATE_CAPS),
         kept_of(up, forces, springs, i, PLATE_CAPS + 1),
     )
-    rod = Moving(z, director, velocity, turn, None, (velocity, turn))
     (force, torque), caps = plate_forces(effects, rod, kept, plate, others, clock.dt)
-    put(total, i, 0, force)
-    put(total, i, dims, torque)
+    put(total, i, 0, (*force, *torque))
     for cap in range(2):
         keep(forces, springs, i, PLATE_CAPS + cap, caps[cap].kept)
         accounted(watchers.ledger, caps[cap], plate, clock.dt)
-    pushed = others[0] != field(effects, velocity)
+    pushed = others[0] != field(effects, rod.velocity)
     recorded(watchers.record, effects, rods, i, pushed, caps, plate, clock)
     return not max(caps[0].overlap, caps[1].overlap) <= DEEP
 
@@ -176,10 +170,9 @@ def on_plate(normal, effects, state, watchers, i, plate, clock):
 @kernel
 def kicked(effects, rods, before, i, dt):
     """Velocity and turn of rod i half a step on; `before`: accelerations of this step."""
-    up = effects.up
-    gain, bend = vector(before, i, 0, up), axial(before, i, len(up), up)
-    c, w = along(velocity_of(up, rods, i), dt, gain), along(turn_of(up, rods, i), dt, bend)
-    return c, free_turn(effects.rolling, w, director_of(up, rods, i))
+    rod, (gain, bend) = rod_of(effects.up, rods, i), forces_at(effects.up, before, i)
+    w = along(rod.turn, dt, bend)
+    return along(rod.velocity, dt, gain), free_turn(effects.rolling, w, rod.director)
 
 
 @kernel
@@ -199,12 +192,8 @@ def fastest_rod(effects, rods, before, speed, dt):
 @kernel
 def move(effects, rods, before, i, dt):
     """Kick and drift rod i by one step."""
-    up, dims = effects.up, len(effects.up)
-    c, w = kicked(effects, rods, before, i, dt)
-    put(rods, i, 0, along(place_of(up, rods, i), dt, c))
-    put(rods, i, dims, rotated(director_of(up, rods, i), w, dt))
-    put(rods, i, 2 * dims, c)
-    put(rods, i, 3 * dims, w)
+    rod, (c, w) = rod_of(effects.up, rods, i), kicked(effects, rods, before, i, dt)
+    put(rods, i, 0, (*along(rod.place, dt, c), *rotated(rod.director, w, dt), *c, *w))
 
 
 @kernel(entry=True)
@@ -222,15 +211,15 @@ def march(effects, state, watchers, clock, steps):
     The place is the number of a rod, or of an entry of the list of pairs.
     """
     rods, before, total, ledger = state.rods, state.before, state.scratch.total, watchers.ledger
-    up, dims, inertia, dt = effects.up, len(effects.up), inertia_of(effects), clock.dt
+    up, inertia, dt = effects.up, inertia_of(effects), clock.dt
     for n in range(steps):
         now = Clock(clock.step + n, dt)
         if full(watchers.record):
             return n, FULL_RECORD, 0
         plate = plate_at(effects.plate, now.step)
         for i in range(rods.shape[0]):
-            put(total, i, 0, field(effects, velocity_of(up, rods, i)))
-            put(total, i, dims, nothing(turn_of(up, rods, i)))
+            rod = rod_of(up, rods, i)
+            put(total, i, 0, (*field(effects, rod.velocity), *nothing(rod.turn)))
         why, where = pair_forces(effects.between, effects, state, ledger, dt)
         if why != DONE:
             return n, why, where
@@ -244,9 +233,8 @@ def march(effects, state, watchers, clock, steps):
             if on_plate(effects.normal, effects, state, watchers, i, plate, now):
                 return n, TOO_DEEP, i
         for i in range(rods.shape[0]):
-            torque, director = axial(total, i, dims, up), director_of(up, rods, i)
-            put(before, i, 0, vector(total, i, 0, up))
-            put(before, i, dims, turn_by(inertia, torque, director))
+            force, torque = forces_at(up, total, i)
+            put(before, i, 0, (*force, *turn_by(inertia, torque, rod_of(up, rods, i).director)))
         fastest, unfit = fastest_rod(effects, rods, before, state.scratch.speed, dt)
         if unfit >= 0:
             return n, NOT_FINITE, unfit
@@ -336,9 +324,8 @@ def of_pairs(between, effects, rods, listed, dt):
 @kernel
 def earlier(up, rods, i, dt):
     """Centre and director of rod i half a step ago."""
-    back = -dt / 2
-    director = rotated(director_of(up, rods, i), turn_of(up, rods, i), back)
-    return along(place_of(up, rods, i), back, velocity_of(up, rods, i)), director
+    rod, back = rod_of(up, rods, i), -dt / 2
+    return along(rod.place, back, rod.velocity), rotated(rod.director, rod.turn, back)
 
 
 @kernel
@@ -356,7 +343,8 @@ def energy(effects, rods, listed, plate, dt):
     total = of_pairs(effects.between, effects, rods, listed, dt)
     for i in range(rods.shape[0]):
         place, director = earlier(up, rods, i, dt)
-        c, w = velocity_of(up, rods, i), turn_of(up, rods, i)
+        rod = rod_of(up, rods, i)
+        c, w = rod.velocity, rod.turn
         total += 0.5 * (dot(c, c) + spinning(effects.rolling, w, director) / effects.lightness)
         total -= dot(gravity_force(effects.gravity, place), place)
         total += of_plate(effects.normal, upper, half, place, director, plate)

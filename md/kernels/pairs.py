@@ -46,8 +46,8 @@ from .neighbours import (
     outdated,
     renewed,
 )
-from .state import director_of, forget, inertia_of, place_of, point, pull, turn_of, velocity_of
-from .vectors import along, axial, dot, put, times, vector
+from .state import forces_at, forget, inertia_of, point, pull, rod_of
+from .vectors import along, axial, dot, put, times
 
 BELOW_ONE = 1.0 - 2.0**-53  # next to 1
 NEARER = 0.1  # d; by so much nearer than all ends, a contact between them counts in full
@@ -80,9 +80,9 @@ class Joint(NamedTuple):
 def pair_of(effects, rods, index, k):
     """`Pair` of entry k of the list."""
     i, j, up = np.uint64(index[k, 0]), np.uint64(index[k, 1]), effects.up  # never negative
-    apart = along(place_of(up, rods, i), -1.0, place_of(up, rods, j))
-    apart = seen_through(effects.period, apart, index[k, 2])
-    return Pair(i, j, np.uint64(k), apart, director_of(up, rods, i), director_of(up, rods, j))
+    first, second = rod_of(up, rods, i), rod_of(up, rods, j)
+    apart = seen_through(effects.period, along(first.place, -1.0, second.place), index[k, 2])
+    return Pair(i, j, np.uint64(k), apart, first.director, second.director)
 
 
 @kernel
@@ -110,13 +110,11 @@ def opened(up, listed, k, slot):
 
 
 @kernel
-def moving(effects, state, i, director, arm):
+def moving(effects, state, i, arm):
     """Velocity of a point of rod i half a step before, and its acceleration in the last step."""
-    up, before = effects.up, state.before
-    velocity, turn = velocity_of(up, state.rods, i), turn_of(up, state.rods, i)
-    gain, bend = vector(before, i, 0, up), axial(before, i, len(director), up)
-    v = point(effects, velocity, turn, director, arm)
-    return v, point(effects, gain, bend, director, arm)
+    rod, (gain, bend) = rod_of(effects.up, state.rods, i), forces_at(effects.up, state.before, i)
+    v = point(effects, rod.velocity, rod.turn, rod.director, arm)
+    return v, point(effects, gain, bend, rod.director, arm)
 
 
 @kernel
@@ -125,8 +123,8 @@ def collect(effects, state, n, pair, near, share, slot):
     i, j, entry, _, a, b = pair
     s, t, gap, _ = near
     p, q = along(times(s, a), -0.5, gap), along(times(t, b), 0.5, gap)
-    v, gain = moving(effects, state, i, a, p)
-    u, other = moving(effects, state, j, b, q)
+    v, gain = moving(effects, state, i, p)
+    u, other = moving(effects, state, j, q)
     half, gain = along(v, -1.0, u), along(gain, -1.0, other)
     given = Given(i, j, entry, slot, gap, ((p, a), (q, b)), half, gain, share)
     listed, now = state.listed, state.listed.turn[0]

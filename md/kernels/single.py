@@ -23,8 +23,8 @@ from typing import Any, NamedTuple
 from ..cache import kernel
 from .codes import DEEP, DONE, FREE, NOT_FINITE, OPENED, STICK, TOO_DEEP
 from .contact import Kept, dashpot, tangential_constants
-from .state import field
-from .surfaces import Moving, plate_at, plate_forces
+from .state import Moving, field
+from .surfaces import plate_at, plate_forces
 from .touches import seen, watched
 from .vectors import ZERO, along, times, turned
 
@@ -52,13 +52,13 @@ class State(NamedTuple):
 
 
 @kernel
-def accelerations(effects, state, at, half, now, step, dt):
+def accelerations(effects, state, position, direction, half, now, step, dt):
     """Acceleration (a_x, a_z, angular) of a rod, and the `Touch` of its lower and its upper cap.
 
-    `at`: height and direction; `half`, `now`: velocities half a step before and at the step.
+    `half`, `now`: velocities half a step before and at the step.
     """
-    velocity, motion = (half[0], half[1]), ((now[0], now[1]), (now[2],))
-    rod = Moving(at[0], at[1], velocity, (half[2],), state.explicit, motion)
+    motion, velocity = (now[:2], now[2:]), half[:2]
+    rod = Moving(position[:2], direction, velocity, half[2:], state.explicit, motion)
     plate, others = plate_at(effects.plate, step), (field(effects, velocity), (0.0,))
     kept = Kept(*state.kept[0]), Kept(*state.kept[1])
     (f, torque), (lower, upper) = plate_forces(effects, rod, kept, plate, others, dt)
@@ -72,8 +72,7 @@ def leap(effects, state, step, dt):
     Returns the state, the velocity at n, and the `Touch` of the lower and of the upper cap.
     """
     position, direction, half, _, _, higher, explicit = state
-    at = position[1], direction
-    a, lower, upper = accelerations(effects, state, at, half, half, step, dt)
+    a, lower, upper = accelerations(effects, state, position, direction, half, half, step, dt)
     velocity = along(half, dt, a)
     kept = lower.kept[:], upper.kept[:]
     direction = turned(direction, velocity[2] * dt)
@@ -100,7 +99,7 @@ def gear(effects, state, higher, step, dt):
     r4 = along(r4, 5, r5)
     now = times(1 / dt, r1)
     half = along(along(now, -1 / dt, r2), 0.75 / dt, r3)
-    a, lower, upper = accelerations(effects, state, (r0[1], direction), half, now, step, dt)
+    a, lower, upper = accelerations(effects, state, r0, direction, half, now, step, dt)
     change = along(times(dt * dt / 2, a), -1, r2)
     r0, velocity = along(r0, _C0, change), along(now, _C1 / dt, change)
     r3, r4, r5 = along(r3, _C3, change), along(r4, _C4, change), along(r5, _C5, change)

@@ -89,6 +89,17 @@ class State(NamedTuple):
     scratch: Scratch
 
 
+class Moving(NamedTuple):
+    """Place and motion of a rod in one step."""
+
+    place: tuple  # d
+    director: tuple  # unit vector along the axis
+    velocity: tuple  # sqrt(g d); half a step before
+    turn: tuple  # sqrt(g/d); w, half a step before
+    explicit: bool | None  # True: the dashpots see `now`; None: the velocities of the step
+    now: tuple  # velocity and turn for explicit dashpots
+
+
 class Clock(NamedTuple):
     """Number of a step, and the step size."""
 
@@ -97,27 +108,18 @@ class Clock(NamedTuple):
 
 
 @kernel
-def place_of(up, rods, i):
-    """Centre of rod i, d."""
-    return vector(rods, i, 0, up)
+def rod_of(up, rods, i):
+    """`Moving` of rod i."""
+    dims = len(up)
+    velocity, turn = vector(rods, i, 2 * dims, up), axial(rods, i, 3 * dims, up)
+    place, director = vector(rods, i, 0, up), vector(rods, i, dims, up)
+    return Moving(place, director, velocity, turn, None, (velocity, turn))
 
 
 @kernel
-def director_of(up, rods, i):
-    """Unit vector along the axis of rod i."""
-    return vector(rods, i, len(up), up)
-
-
-@kernel
-def velocity_of(up, rods, i):
-    """Velocity of rod i half a step before, sqrt(g d)."""
-    return vector(rods, i, 2 * len(up), up)
-
-
-@kernel
-def turn_of(up, rods, i):
-    """Turn w of rod i half a step before, sqrt(g/d)."""
-    return axial(rods, i, 3 * len(up), up)
+def forces_at(up, array, i):
+    """Force and torque on rod i, or the accelerations by them."""
+    return vector(array, i, 0, up), axial(array, i, len(up), up)
 
 
 @kernel

@@ -15,7 +15,7 @@ from .batch import FORCE, MOST, ONE, Alike, Given, acted, enter, get
 from .codes import DEEP, INNER, OUTER, PLATE_WORK, WALL_FRICTION, WALL_NORMAL
 from .contact import Kept, Meeting, contact, elastic_energy, turn_by, turning
 from .pairs import NEARER, moving, rise
-from .state import director_of, forget, inertia_of, nothing_kept, place_of, point, pull
+from .state import forget, inertia_of, nothing_kept, point, pull, rod_of
 from .vectors import (
     IN_SPACE,
     along,
@@ -32,17 +32,6 @@ from .vectors import (
 )
 
 # The plate
-
-
-class Moving(NamedTuple):
-    """Motion of a rod over the plate in one step."""
-
-    z: float  # d
-    director: tuple
-    velocity: tuple  # sqrt(g d); half a step before
-    turn: tuple  # sqrt(g/d); half a step before
-    explicit: bool | None  # True: the dashpots see `now`; None: the velocities of the step
-    now: tuple  # velocity and turn for explicit dashpots
 
 
 class Touch(NamedTuple):
@@ -77,9 +66,10 @@ def end_at(flat, half, cap, director):
 def facing(effects, rod, plate, cap, kept):
     """`Touch` of the cap or corner `cap` of `end_at`, still with its force of the step before."""
     end, radius = end_at(effects.flat, effects.half_length, cap, rod.director)
-    arm = raised(end, plate[0] - rod.z - height(end))
+    z = height(rod.place)
+    arm = raised(end, plate[0] - z - height(end))
     half = raised(point(effects, rod.velocity, rod.turn, rod.director, arm), -plate[1])
-    overlap = plate[0] + radius - (rod.z + height(end))
+    overlap = plate[0] + radius - (z + height(end))
     if overlap <= 0.0:
         kept = nothing_kept(effects.up)
     return Touch(overlap, end, arm, half, kept, height(half), (0.0, 0.0))
@@ -236,9 +226,9 @@ def against(shaken, v, gain, climb, dt):
 @kernel
 def collect(effects, state, n, i, at, climb, dt):
     """Store a contact of rod i with a wall at place n of the batch; return the contact count."""
-    director, rod = director_of(IN_SPACE, state.rods, i), np.uint64(i)
+    director, rod = rod_of(IN_SPACE, state.rods, i).director, np.uint64(i)
     arm = along(times(at.s, director), -at.reach, at.out)
-    v, gain = moving(effects, state, i, director, arm)
+    v, gain = moving(effects, state, i, arm)
     half, gain = against(effects.shaken, v, gain, climb, dt)
     # a rounding may have told a touch
     gap = times(0.5 + min(at.reach, 0.5), at.out)
@@ -270,7 +260,7 @@ def worked(shaken, ledger, numbers, climbed, count):
 @kernel
 def beside(wall, state, i, half, s):
     """`At` of rod i on the convex wall, between its ends; adds the forces that keep energy."""
-    place, director = place_of(IN_SPACE, state.rods, i), director_of(IN_SPACE, state.rods, i)
+    place, director = rod_of(IN_SPACE, state.rods, i)[:2]
     rho, out = from_axis(along(place, s, director))
     lower, out_l = from_axis(along(place, -half, director))
     upper, out_u = from_axis(along(place, half, director))
@@ -293,7 +283,7 @@ def wall_forces(wall, effects, state, ledger, side, climb, dt):
     rods, half, n, slot = state.rods, effects.half_length, 0, INNER if side > 0 else OUTER
     touching = wall.radius + 0.5 * side
     for i in range(rods.shape[0]):
-        place, director = place_of(IN_SPACE, rods, i), director_of(IN_SPACE, rods, i)
+        place, director = rod_of(IN_SPACE, rods, i)[:2]
         seen = from_above(place, director)
         if n > MOST:
             n = act(wall, effects, state, ledger, climb, n, dt)

@@ -32,7 +32,7 @@ from .codes import (
     WATCHED,
 )
 from .contact import size, turning
-from .state import director_of, place_of, point, turn_of, velocity_of
+from .state import point, rod_of
 from .vectors import height, put, times
 
 NEARLY = 1 - 1e-12  # of a limit that rounding may have missed
@@ -207,11 +207,10 @@ def in_plane(rolling, velocity, turn, director, plane):
 @kernel
 def motion_of(effects, rods, i, plane, cap, plate):
     """Velocity (c_x, c_z, omega) of rod i in the plane, and that of its end off the plate."""
-    up = effects.up
-    director, turn = director_of(up, rods, i), turn_of(up, rods, i)
-    velocity, arm = velocity_of(up, rods, i), times(cap * effects.half_length, director)
-    rate = height(point(effects, velocity, turn, director, arm)) - plate[1]
-    return in_plane(effects.rolling, velocity, turn, director, plane), rate
+    rod = rod_of(effects.up, rods, i)
+    arm = times(cap * effects.half_length, rod.director)
+    rate = height(point(effects, rod.velocity, rod.turn, rod.director, arm)) - plate[1]
+    return in_plane(effects.rolling, rod.velocity, rod.turn, rod.director, plane), rate
 
 
 @kernel(inline=False)
@@ -247,7 +246,7 @@ def begun(record, effects, rods, i, cap, a_z, plate, step):
     plane = row[_PLANE], row[_PLANE + 1]
     row[ROD], row[STEP], row[CAP] = i, step, cap
     row[FLIGHT] = step - row[_LEFT]
-    side = along_plane(director_of(effects.up, rods, i), plane)
+    side = along_plane(rod_of(effects.up, rods, i).director, plane)
     row[A_X], row[A_Z] = cap * effects.half_length * side, a_z
     motion, row[APPROACH] = motion_of(effects, rods, i, plane, cap, plate)
     put(record.open, i, BEFORE, motion)
@@ -266,7 +265,8 @@ def recorded(record, effects, rods, i, pushed, touch, plate, clock):
     if before == 0:
         if lower.overlap <= 0.0 and upper.overlap <= 0.0:
             return
-        choose_plane(row, place_of(effects.up, rods, i), director_of(effects.up, rods, i))
+        rod = rod_of(effects.up, rods, i)
+        choose_plane(row, rod.place, rod.director)
     plane, a_z = (row[_PLANE], row[_PLANE + 1]), height(lower.arm)
     low, high = seen(lower, plane), seen(upper, plane)
     if watched(record.watch[i], effects, low, high, clock.dt):
