@@ -89,17 +89,13 @@ def spread(tangent, normal):
 @kernel
 def height(v):
     """Vertical component of a vector."""
-    if len(v) == 2:
-        return v[1]
-    return v[2]
+    return v[-1]
 
 
 @kernel
 def raised(v, height):
     """Vector with `height` added to its vertical component."""
-    if len(v) == 2:
-        return v[0], v[1] + height
-    return v[0], v[1], v[2] + height
+    return (*v[:-1], v[-1] + height)
 
 
 @kernel
@@ -111,11 +107,7 @@ def upward(v):
 @kernel
 def nothing(v):
     """Zero vector with as many components as v."""
-    if len(v) == 1:
-        return (0.0,)
-    if len(v) == 2:
-        return 0.0, 0.0
-    return 0.0, 0.0, 0.0
+    return ZERO[: len(v)]
 
 
 @kernel
