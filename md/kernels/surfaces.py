@@ -22,7 +22,6 @@ from .vectors import (
     cross,
     dot,
     height,
-    nothing,
     raised,
     spread,
     swing,
@@ -64,38 +63,27 @@ def end_at(flat, half, cap, director):
 
 @kernel
 def facing(effects, rod, plate, cap, kept):
-    """`Touch` of the cap or corner `cap` of `end_at`, still with its force of the step before."""
+    """`Touch` of the cap or corner `cap` of `end_at`, still with its force of the step before.
+
+    A sphere touches with its lower cap alone.
+    """
     end, radius = end_at(effects.flat, effects.half_length, cap, rod.director)
     z = height(rod.place)
     arm = raised(end, plate[0] - z - height(end))
     half = raised(point(effects, rod.velocity, rod.turn, rod.director, arm), -plate[1])
     overlap = plate[0] + radius - (z + height(end))
+    if effects.upper is None and cap > 0:
+        overlap = -1.0
     if overlap <= 0.0:
         kept = nothing_kept(effects.up)
     return Touch(overlap, end, arm, half, kept, height(half), (0.0, 0.0))
 
 
 @kernel
-def facing_above(upper, effects, rod, plate, kept):
-    """`Touch` of the upper cap, still with its last force; open if there is no second cap."""
-    if upper is None:
-        centre = nothing(rod.velocity)
-        return Touch(-1.0, centre, centre, rod.velocity, nothing_kept(effects.up), 0.0, (0.0, 0.0))
-    return facing(effects, rod, plate, 1.0, kept)
-
-
-@kernel
-def force_on(touch):
-    """Force vector of the plate at one cap."""
-    return raised(spread(touch.kept.rub, upward(touch.arm)), touch.kept.force)
-
-
-@kernel
-def both(forces, lower, upper):
-    """Force and torque on a rod: `forces` by all else, plus those of the plate at both caps."""
-    f, g = force_on(lower), force_on(upper)
-    turned = along(along(forces[1], 1.0, torque(lower.arm, f)), 1.0, torque(upper.arm, g))
-    return along(along(forces[0], 1.0, f), 1.0, g), turned
+def with_cap(forces, touch):
+    """Force and torque on a rod: `forces`, plus those of the plate at one cap."""
+    f = raised(spread(touch.kept.rub, upward(touch.arm)), touch.kept.force)
+    return along(forces[0], 1.0, f), along(forces[1], 1.0, torque(touch.arm, f))
 
 
 @kernel
@@ -140,10 +128,11 @@ def plate_forces(effects, rod, kept, plate, others, dt):
     of this step. What is kept of a contact is forgotten as it opens.
     """
     lower = facing(effects, rod, plate, -1.0, kept[0])
-    upper = facing_above(effects.upper, effects, rod, plate, kept[1])
-    lower = pressed(effects, rod, lower, plate, both(others, lower, upper), dt)
-    upper = pressed(effects, rod, upper, plate, both(others, lower, upper), dt)
-    return both(others, lower, upper), (lower, upper)
+    upper = facing(effects, rod, plate, 1.0, kept[1])
+    lower = pressed(effects, rod, lower, plate, with_cap(with_cap(others, lower), upper), dt)
+    others = with_cap(others, lower)
+    upper = pressed(effects, rod, upper, plate, with_cap(others, upper), dt)
+    return with_cap(others, upper), (lower, upper)
 
 
 @kernel
