@@ -53,7 +53,6 @@ from .surfaces import (
     from_axis,
     passes,
     plate_at,
-    plate_before,
     plate_forces,
     within,
 )
@@ -223,7 +222,7 @@ def march(effects, state, watchers, clock, steps):
         why, where = pair_forces(effects.between, effects, state, ledger, dt)
         if why != DONE:
             return n, why, where
-        climb = plate_before(effects.plate, now.step), plate[1]
+        climb = 0.5 * (plate_at(effects.plate, now.step - 1)[1] + plate[1]), plate[1]
         where = within(effects.inner, effects, state, ledger, 1.0, climb, dt)
         where = max(where, within(effects.outer, effects, state, ledger, -1.0, climb, dt))
         if where >= 0:

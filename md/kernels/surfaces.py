@@ -144,14 +144,6 @@ def plate_at(plate, step):
     return plate.height[i], plate.velocity[i]
 
 
-@kernel
-def plate_before(plate, step):
-    """Velocity of the plate half a step before a step."""
-    if plate is None:
-        return 0.0
-    return 0.5 * (plate_at(plate, step - 1)[1] + plate_at(plate, step)[1])
-
-
 # Walls of an annulus
 
 
@@ -201,24 +193,17 @@ def from_axis(point):
 
 
 @kernel
-def against(shaken, v, gain, climb, dt):
-    """Velocity and acceleration of a point against a wall, which is shaken or at rest.
-
-    `climb`: velocity of the shaken wall half a step before, and at the step.
-    """
-    if shaken is None:
-        return v, gain
-    before, now = climb
-    return raised(v, -before), raised(gain, (before - now) * 2 / dt)
-
-
-@kernel
 def collect(effects, state, n, i, at, climb, dt):
-    """Store a contact of rod i with a wall at place n of the batch; return the contact count."""
+    """Store a contact of rod i with a wall at place n of the batch; return the contact count.
+
+    `climb`: velocity of a shaken wall half a step before, and at the step.
+    """
     director, rod = rod_of(IN_SPACE, state.rods, i).director, np.uint64(i)
     arm = along(times(at.s, director), -at.reach, at.out)
-    v, gain = moving(effects, state, i, arm)
-    half, gain = against(effects.shaken, v, gain, climb, dt)
+    half, gain = moving(effects, state, i, arm)
+    if effects.shaken is not None:
+        before, now = climb
+        half, gain = raised(half, -before), raised(gain, (before - now) * 2 / dt)
     # a rounding may have told a touch
     gap = times(0.5 + min(at.reach, 0.5), at.out)
     given = Given(rod, rod, rod, at.slot, gap, ((arm, director),), half, gain, at.share)
