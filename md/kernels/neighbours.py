@@ -159,23 +159,13 @@ def sort_along(order, place):
 
 
 @kernel
-def wrapped(x, period):
-    """Place x in a box of length `period`, 0 to `period`; x itself in an open box."""
-    return x if period is None else x - np.floor(x / period) * period
-
-
-@kernel
-def image(distance, period):
-    """Whole number of periods nearest to a distance along the box; 0 in an open box."""
-    return 0 if period is None else int(np.floor(distance / period + 0.5))
-
-
-@kernel
 def place_along(centre, period):
     """Coordinate by which rods are sorted: the place in the box, in space the azimuth."""
-    if len(centre) == 2:
-        return wrapped(centre[0], period)
-    return atan2(centre[1], centre[0])
+    if len(centre) == 3:
+        return atan2(centre[1], centre[0])
+    if period is None:
+        return centre[0]
+    return centre[0] - np.floor(centre[0] / period) * period
 
 
 @kernel
@@ -202,14 +192,14 @@ def window(up, rods, reach):
 
 
 @kernel
-def apart_by(centre, other, gap, period):
+def apart_by(centre, other, gap, box):
     """Vector from the second centre or its image to the first, and that image in periods.
 
-    `gap`: difference of the sorting coordinates.
+    `gap`: difference of the sorting coordinates; `box`: their period.
     """
     apart = along(centre, -1.0, other)
     if len(centre) == 2:
-        return (-gap, apart[1]), image(gap + apart[0], period)
+        return (-gap, apart[1]), int(np.floor((gap + apart[0]) / box + 0.5))
     return apart, 0
 
 
@@ -237,7 +227,7 @@ def pair_up(up, rods, half, period, order, place, found):
                 break
             x, y = vector(rods, i, 0, up), vector(rods, j, 0, up)
             a, b = vector(rods, i, len(x), up), vector(rods, j, len(x), up)
-            apart, shift = apart_by(x, y, gap, period)
+            apart, shift = apart_by(x, y, gap, box)
             if dot(apart, apart) >= reach * reach or nearest(apart, a, b, half) >= (1 + SKIN) ** 2:
                 continue
             if len(up) == 3 and gap == box / 2 and i > j:  # found from the other one
