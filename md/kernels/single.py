@@ -25,7 +25,7 @@ from .codes import DEEP, DONE, FREE, NOT_FINITE, OPENED, STICK, TOO_DEEP
 from .contact import Kept, dashpot, tangential_constants
 from .state import Moving, field
 from .surfaces import plate_at, plate_forces
-from .touches import seen, watched
+from .touches import watched
 from .vectors import ZERO, along, times, turned
 
 METHODS = ("leapfrog", "verlet", "gear")
@@ -53,7 +53,7 @@ class State(NamedTuple):
 
 @kernel
 def accelerations(effects, state, position, direction, half, now, step, dt):
-    """Acceleration (a_x, a_z, angular) of a rod, and the `Touch` of its lower and its upper cap.
+    """Acceleration (a_x, a_z, angular) of a rod, and the `Touch`es of its lower and upper cap.
 
     `half`, `now`: velocities half a step before and at the step.
     """
@@ -61,31 +61,31 @@ def accelerations(effects, state, position, direction, half, now, step, dt):
     rod = Moving(position[:2], direction, velocity, half[2:], state.explicit, motion)
     plate, others = plate_at(effects.plate, step), (field(effects, velocity), (0.0,))
     kept = Kept(*state.kept[0]), Kept(*state.kept[1])
-    (f, torque), (lower, upper) = plate_forces(effects, rod, kept, plate, others, dt)
-    return (f[0], f[1], effects.lightness * torque[0]), lower, upper
+    (f, torque), caps = plate_forces(effects, rod, kept, plate, others, dt)
+    return (f[0], f[1], effects.lightness * torque[0]), caps
 
 
 @kernel
 def leap(effects, state, step, dt):
     """Make step n of leapfrog or Verlet: forces, kick, drift.
 
-    Returns the state, the velocity at n, and the `Touch` of the lower and of the upper cap.
+    Returns the state, the velocity at n, and the `Touch`es of both caps.
     """
     position, direction, half, _, _, higher, explicit = state
-    a, lower, upper = accelerations(effects, state, position, direction, half, half, step, dt)
+    a, caps = accelerations(effects, state, position, direction, half, half, step, dt)
     velocity = along(half, dt, a)
-    kept = lower.kept[:], upper.kept[:]
+    kept = caps[0].kept[:], caps[1].kept[:]
     direction = turned(direction, velocity[2] * dt)
     following = along(position, dt, velocity)
     after = State(following, direction, velocity, a, kept, higher, explicit)
-    return after, along(half, dt / 2, a), lower, upper
+    return after, along(half, dt / 2, a), caps
 
 
 @kernel
 def gear(effects, state, higher, step, dt):
     """Make step n of Gear's method: predict, evaluate, correct.
 
-    Returns the state, the velocity at n, and the `Touch` of the lower and of the upper cap.
+    Returns the state, the velocity at n, and the `Touch`es of both caps.
     """
     r0, direction, r1, r2, _, _, explicit = state
     tilt = r0[2]
@@ -99,14 +99,14 @@ def gear(effects, state, higher, step, dt):
     r4 = along(r4, 5, r5)
     now = times(1 / dt, r1)
     half = along(along(now, -1 / dt, r2), 0.75 / dt, r3)
-    a, lower, upper = accelerations(effects, state, r0, direction, half, now, step, dt)
+    a, caps = accelerations(effects, state, r0, direction, half, now, step, dt)
     change = along(times(dt * dt / 2, a), -1, r2)
     r0, velocity = along(r0, _C0, change), along(now, _C1 / dt, change)
     r3, r4, r5 = along(r3, _C3, change), along(r4, _C4, change), along(r5, _C5, change)
-    kept = lower.kept[:], upper.kept[:]
+    kept = caps[0].kept[:], caps[1].kept[:]
     direction = turned(direction, change[2] * _C0)
     state = State(r0, direction, velocity, a, kept, (r3, r4, r5), explicit)
-    return state, velocity, lower, upper
+    return state, velocity, caps
 
 
 @kernel
@@ -115,12 +115,6 @@ def advance(effects, state, higher, step, dt):
     if higher is None:
         return leap(effects, state, step, dt)
     return gear(effects, state, higher, step, dt)
-
-
-@kernel
-def over(watch, effects, lower, upper, dt):
-    """Add a step to the watched contact; return whether it is over."""
-    return watched(watch, effects, seen(lower, (1.0, 0.0)), seen(upper, (1.0, 0.0)), dt)
 
 
 @kernel(entry=True)
@@ -133,12 +127,12 @@ def run(effects, state, first, steps, dt, watch):
     for n in range(steps):
         step = first + n
         good = state
-        state, velocity, lower, upper = advance(effects, state, state.higher, step, dt)
+        state, velocity, caps = advance(effects, state, state.higher, step, dt)
         if not abs(velocity[0] + velocity[1] + velocity[2]) < 1e100:
             return good[:], n, NOT_FINITE
-        if max(lower.overlap, upper.overlap) > DEEP:
+        if max(caps[0].overlap, caps[1].overlap) > DEEP:
             return good[:], n, TOO_DEEP
-        if watch is not None and over(watch, effects, lower, upper, dt):
+        if watch is not None and watched(watch, effects, caps, (1.0, 0.0), dt):
             return good[:], n, OPENED
     return state[:], steps, DONE
 

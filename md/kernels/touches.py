@@ -67,16 +67,6 @@ class Record(NamedTuple):
     watch: np.ndarray  # (rods, codes.WATCHED)
 
 
-class Seen(NamedTuple):
-    """Quantities of one end's contact that `watched` follows."""
-
-    overlap: float  # d
-    force: float  # F_n, m g
-    rub: float  # size of F_t, m g
-    slip: float  # sqrt(g d), half a step before
-    rate: float  # sqrt(g d), at which the contact opens (+) or closes (-)
-
-
 def new_record(rods: int, capacity: int) -> Record:
     """Create an empty record, with room for at least two rows for each rod."""
     under_way = np.zeros((rods, _OPEN))
@@ -95,13 +85,6 @@ def since_touch(record: Record, step: int) -> np.ndarray:
 
 
 @kernel
-def seen(touch, plane):
-    """`Seen` of a `Touch`; `plane`: direction of x in space."""
-    slip = along_plane(touch.half, plane)
-    return Seen(touch.overlap, touch.kept.force, size(touch.kept.rub), slip, touch.rate)
-
-
-@kernel
 def along_plane(v, plane):
     """Component of a vector along the x axis of the plane of a touch."""
     if len(v) == 2:
@@ -110,19 +93,19 @@ def along_plane(v, plane):
 
 
 @kernel
-def at_limit(friction, touch):
+def at_limit(friction, kept):
     """Whether friction is at its limit mu F_n, within rounding; without friction it always is."""
     if friction is None:
         return True
-    return touch.rub >= NEARLY * friction.coefficient * touch.force
+    return size(kept.rub) >= NEARLY * friction.coefficient * kept.force
 
 
 @kernel
-def stops(friction, touch):
+def stops(friction, kept):
     """Whether friction as a constraint ends the slip in this step: it needs less than mu F_n."""
     if friction is None:
         return False
-    return friction.spring is None and not at_limit(friction, touch)
+    return friction.spring is None and not at_limit(friction, kept)
 
 
 @kernel
@@ -132,28 +115,33 @@ def spent(plastic, touch, dt):
         return True
     if plastic is not None:
         return touch.rate * dt >= -1e-12 * touch.overlap
-    return touch.force <= 0 and touch.rate > 0
+    return touch.kept.force <= 0 and touch.rate > 0
 
 
 @kernel
-def watched(watch, effects, lower, upper, dt):
-    """Add a step to the numbers watched of a touch; return whether the touch is over."""
-    touch = lower if lower.force >= upper.force else upper
+def watched(watch, effects, caps, plane, dt):
+    """Add a step to the numbers watched of a touch; return whether the touch is over.
+
+    `caps`: `surfaces.Touch` of the lower and the upper one; `plane`: direction of x in space.
+    """
+    lower, upper = caps
+    touch = lower if lower.kept.force >= upper.kept.force else upper
+    kept, slip = touch.kept, along_plane(touch.half, plane)
     if spent(effects.normal.plastic, lower, dt) and spent(effects.normal.plastic, upper, dt):
         return watch[WATCH_TOUCHED] > 0
-    if touch.force <= 0:
+    if kept.force <= 0:
         return False
     if watch[WATCH_TOUCHED] == 0:
-        watch[WATCH_TOUCHED], watch[WATCH_SIDE] = 1, np.sign(touch.slip)
+        watch[WATCH_TOUCHED], watch[WATCH_SIDE] = 1, np.sign(slip)
     watch[WATCH_DEEPEST] = max(watch[WATCH_DEEPEST], touch.overlap)
-    if touch.slip * watch[WATCH_SIDE] <= 0:
+    if slip * watch[WATCH_SIDE] <= 0:
         watch[WATCH_STOPPED] = 1
     phase = SLIDE
     if watch[WATCH_STOPPED] > 0:
-        phase = TURNED if at_limit(effects.friction, touch) else STUCK
+        phase = TURNED if at_limit(effects.friction, kept) else STUCK
     watch[phase] += dt
-    watch[IMPULSE + phase] += touch.force * dt
-    if stops(effects.friction, touch):  # the little slip that is left has any sign
+    watch[IMPULSE + phase] += kept.force * dt
+    if stops(effects.friction, kept):  # the little slip that is left has any sign
         watch[WATCH_STOPPED] = 1
     return False
 
@@ -254,26 +242,25 @@ def begun(record, effects, rods, i, cap, a_z, plate, step):
 
 
 @kernel
-def recorded(record, effects, rods, i, pushed, touch, plate, clock):
+def recorded(record, effects, rods, i, pushed, caps, plate, clock):
     """Follow the touch of a rod that the plate may press, if there is a record.
 
-    `touch`: of its lower and upper cap; `pushed`: whether another rod or a wall pushes it.
+    `caps`: as of `watched`; `pushed`: whether another rod or a wall pushes it.
     """
     if record is None:
         return
-    (lower, upper), row, before = touch, record.open[i], record.watch[i, WATCH_TOUCHED]
+    (lower, upper), row, before = caps, record.open[i], record.watch[i, WATCH_TOUCHED]
     if before == 0:
         if lower.overlap <= 0.0 and upper.overlap <= 0.0:
             return
         rod = rod_of(effects.up, rods, i)
         choose_plane(row, rod.place, rod.director)
     plane, a_z = (row[_PLANE], row[_PLANE + 1]), height(lower.arm)
-    low, high = seen(lower, plane), seen(upper, plane)
-    if watched(record.watch[i], effects, low, high, clock.dt):
+    if watched(record.watch[i], effects, caps, plane, clock.dt):
         ended(record, effects, rods, i, plate, clock.step)
     elif record.watch[i, WATCH_TOUCHED] > 0:
         if before == 0:
-            cap = -1.0 if low.force >= high.force else 1.0
+            cap = -1.0 if lower.kept.force >= upper.kept.force else 1.0
             begun(record, effects, rods, i, cap, a_z, plate, clock.step)
         if pushed:
             row[PUSHED] += 1
