@@ -190,8 +190,8 @@ def one_spring(springs, now, k, end, other, first, second, up):
     put(own, other, 0, length)
 
 
-@kernel
-def joined(effects, state, pair, near, end):
+@kernel(inline=False)
+def joined_ends(effects, state, pair, near, end):
     """Shares of the contacts of two ends that meet, and the second end; add their joint forces.
 
     These forces keep energy. `end`: of the first rod, with its `near`; the second end is 2 or 3.
@@ -224,32 +224,6 @@ def meets(upper, end, near, half):
         return False
     beyond = half - abs(near.t)
     return end < 2 and near.square + beyond * beyond < 1.0
-
-
-@kernel(inline=False)
-def joined_ends(effects, state, pair, first, n):
-    """Collect the contacts at the ends from `first` on, which meets an end of the other rod.
-
-    Returns the number of contacts, and whether one is too deep.
-    """
-    half, a, b = effects.half_length, pair.a, pair.b
-    lower = upper = 1.0  # shares left to the ends of the second rod
-    for end in range(first, 4):
-        near = near_end(pair.apart, a, b, half, end)
-        if near.square >= 1.0:
-            opened(effects.up, state.listed, pair.entry, end)
-            continue
-        if near.square < (1 - DEEP) ** 2:
-            return n, True
-        share = (1.0, 1.0, lower, upper)[end]
-        if meets(effects.upper, end, near, half):
-            share, left, other = joined(effects, state, pair, near, end)
-            if other == 2:
-                lower += left - 1.0
-            else:
-                upper += left - 1.0
-        n = collect(effects, state, n, pair, near, share, end)
-    return n, False
 
 
 # Rods that cross
@@ -360,6 +334,7 @@ def pair_forces(between, effects, state, ledger, dt):
         if square < (1 - DEEP) ** 2:
             return PAIR_TOO_DEEP, k
         touches, until = BETWEEN if square < 1.0 else 0, np.inf
+        lower = upper = 1.0  # shares left to the contacts at the ends of the second rod
         if clear and was & ENDS:
             for end in range(4):
                 opened(effects.up, listed, k, end)
@@ -376,12 +351,14 @@ def pair_forces(between, effects, state, ledger, dt):
             if near.square < (1 - DEEP) ** 2:
                 return PAIR_TOO_DEEP, k
             touches |= ENDS
+            share = (1.0, 1.0, lower, upper)[end]
             if meets(effects.upper, end, near, half):
-                n, deep = joined_ends(effects, state, pair, end, n)
-                if deep:
-                    return PAIR_TOO_DEEP, k
-                break
-            n = collect(effects, state, n, pair, near, 1.0, end)
+                share, left, other = joined_ends(effects, state, pair, near, end)
+                if other == 2:
+                    lower += left - 1.0
+                else:
+                    upper += left - 1.0
+            n = collect(effects, state, n, pair, near, share, end)
         index[k, TOUCHED] = touches
         if touches == 0 and not clear:
             asleep[k, PAIR] = until
