@@ -212,13 +212,15 @@ class _Contact:
 
     def derivative(self, s: float, y: np.ndarray) -> np.ndarray:
         self.evaluations += 1
-        out = np.empty(8)
-        single.rates(*self.setting, self.mode, y, out)
-        return 4 * s**3 * out
+        return 4 * s**3 * np.array(self.rates(y)[0])
+
+    def rates(self, y: np.ndarray) -> tuple[tuple, tuple]:
+        """Derivatives and signals in the present mode, as of `kernels.single.rates`."""
+        return single.rates(*self.setting, self.mode, y)
 
     def signals(self, y: np.ndarray) -> tuple[float, float, float, float]:
         """Signals that fall to zero as the force, the mode, the first slip ends; the overlap."""
-        left, spare, overlap, slip = single.rates(*self.setting, self.mode, y, np.empty(8))
+        _, (left, spare, overlap, slip) = self.rates(y)
         return left, spare - self.rest, self.side * slip, overlap
 
     def choose(self, y: np.ndarray) -> None:
@@ -226,14 +228,13 @@ class _Contact:
         if self.friction is None:
             return
         before, self.mode = self.mode, STICK
-        out = np.empty(8)
-        _, spare, _, slip = single.rates(*self.setting, STICK, y, out)
+        change, (_, spare, _, slip) = self.rates(y)
         if before == FREE and slip != 0 and self.friction.spring is None:
             self.mode = FORWARD if slip > 0 else BACK
         elif before in (FORWARD, BACK) and self.friction.spring is not None:
             pass  # the force came down from its limit
         elif before == STICK or spare < 0:
-            self.mode = BACK if out[3] > 0 else FORWARD
+            self.mode = BACK if change[3] > 0 else FORWARD
         self.rest = 0.0
         self.rest = min(self.signals(y)[1], 0.0)  # error of the location where a mode begins
 

@@ -189,18 +189,12 @@ def friction_of_mode(friction, mode, overlap, force, length, slip):
     return in_mode(friction.spring, mode, overlap, friction.coefficient * force, length, slip)
 
 
-@kernel
-def end_of(plastic, left, rate):
-    """Signal that falls to zero where the force ends: `left`; in a plastic contact the approach."""
-    return left if plastic is None else -rate
-
-
 @kernel(entry=True)
-def rates(effects, start, mode, y, out):
-    """Derivatives of y = (x, z and tilt since the touch, c_x, c_z, omega, spring, P_z).
+def rates(effects, start, mode, y):
+    """Derivatives of y = (x, z and tilt since the touch, c_x, c_z, omega, spring, P_z); signals.
 
-    Returns what signals the end of the force, what is left before the mode changes, the overlap
-    and the slip. `start`: sin and cos of the tilt and height over the contact point at the touch.
+    The signals: of the end of the force, and what is left before the mode changes; the overlap and
+    the slip. `start`: sin and cos of the tilt and height over the contact point at the touch.
     """
     sine, cosine, height = start
     bend, lag = sin(y[2] / 2), cos(y[2] / 2)
@@ -217,12 +211,10 @@ def rates(effects, start, mode, y, out):
         c = dashpot(normal, overlap, root, mass)
         left = overlap - c * rate / (normal.stiffness * root)
         force = max(normal.stiffness * root * left, 0.0)
-        left = end_of(normal.plastic, left, rate)
+        left = left if normal.plastic is None else -rate  # a plastic contact ends as it rests
         drive = -a_x * force * effects.lightness * a_z - y[5] * y[4]
         seen = Slip(slip, drive, 1 / (1 + a_z * a_z * effects.lightness))
         rub, stretch, spare = friction_of_mode(effects.friction, mode, overlap, force, y[6], seen)
-    out[0], out[1], out[2] = y[3], y[4], y[5]
-    out[3], out[4] = rub, force
-    out[5] = (a_z * rub - a_x * force) * effects.lightness
-    out[6], out[7] = stretch, force
-    return left, spare, overlap, slip
+    turning = (a_z * rub - a_x * force) * effects.lightness
+    change = (y[3], y[4], y[5], rub, force, turning, stretch, force)
+    return change, (left, spare, overlap, slip)
