@@ -15,7 +15,7 @@ from time import perf_counter
 from typing import NamedTuple
 
 import numpy as np
-from scipy.integrate import DOP853
+from scipy.integrate import DOP853, solve_ivp
 from scipy.optimize import brentq
 
 from .domains import InputError, RunError, held, number, positive
@@ -238,17 +238,13 @@ class _Contact:
         self.rest = 0.0
         self.rest = min(self.signals(y)[1], 0.0)  # error of the location where a mode begins
 
-    def solver(self, s: float, y: np.ndarray, end: float = np.inf, **steps: float) -> DOP853:
-        return DOP853(self.derivative, s, y, end, **steps, **self.accuracy)
-
     def stepped(self, s: float, y: np.ndarray, end: float) -> np.ndarray:
         """State at `end`, integrated from s, at most one step away."""
         if not end > s:
             return y
-        solver = self.solver(s, y, end, first_step=end - s)
-        while solver.status == "running":
-            solver.step()
-        return solver.y
+        span, step = (s, end), end - s
+        steps = solve_ivp(self.derivative, span, y, "DOP853", first_step=step, **self.accuracy)
+        return steps.y[:, -1].copy()
 
     def located(self, solver: DOP853, which: int, end: float) -> tuple[float, np.ndarray]:
         """Place s and state at which signal `which` falls to zero in the step just made.
@@ -327,7 +323,8 @@ def follow(
         if switches == _SWITCHES:
             raise RunError(f"the contact has switched {switches} times without an end")
         switches += 1
-        begin, pushed, solver = s, y[7], contact.solver(s, y)
+        begin, pushed = s, y[7]
+        solver = DOP853(contact.derivative, s, y, np.inf, **contact.accuracy)
         others: tuple[int, ...] = (1,) if stopped or contact.rigid else (1, 2)
         going = True
         while going:
