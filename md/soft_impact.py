@@ -93,14 +93,11 @@ class Impact(NamedTuple):
 
 
 class Outcome(NamedTuple):
-    """Outcome of one contact; durations and normal impulses of its phases (see `codes`)."""
+    """Outcome of one contact."""
 
     position: Sequence[float] | np.ndarray  # x, z, tilt at the end
     velocity: Sequence[float] | np.ndarray  # c_x, c_z, omega
-    durations: Sequence[float] | np.ndarray  # of the phases, sqrt(d/g)
-    impulses: Sequence[float] | np.ndarray  # normal impulses of the phases, m sqrt(g d)
-    stopped: bool  # whether the slip stopped at all
-    deepest: float  # overlap, d
+    watch: np.ndarray  # columns of a watched contact in `codes`
     evaluations: int  # of the forces
     seconds: float  # run time, without compilation
 
@@ -167,16 +164,7 @@ def _by_steps(
         now, made, why = single.run(effects, state, steps, _STEPS_A_CALL, dt, watch)
         state, steps = single.State(*now), steps + made
     stopped_run(why, state, steps, dt)
-    return Outcome(
-        state.position,
-        state.velocity,
-        durations=watch[:IMPULSE],
-        impulses=watch[IMPULSE : 2 * IMPULSE],
-        stopped=watch[WATCH_STOPPED] > 0,
-        deepest=watch[WATCH_DEEPEST],
-        evaluations=steps,
-        seconds=perf_counter() - begin,
-    )
+    return Outcome(state.position, state.velocity, watch, steps, perf_counter() - begin)
 
 
 # Every switch located
@@ -317,8 +305,8 @@ def follow(
     start = perf_counter()
     contact.choose(contact.stepped(s, y, contact.early))
     contact.side = np.sign(contact.signals(y)[2])
-    stopped, which, deepest = contact.side == 0, 1, 0.0
-    durations, impulses, switches = [0.0, 0.0, 0.0], [0.0, 0.0, 0.0], 0
+    stopped, watch = contact.side == 0, np.zeros(WATCHED)
+    which, switches = 1, 0
     while which != 0:
         if switches == _SWITCHES:
             raise RunError(f"the contact has switched {switches} times without an end")
@@ -330,7 +318,7 @@ def follow(
         while going:
             solver.step()
             signals = left, *_, overlap = contact.signals(solver.y)
-            deepest = max(deepest, overlap)
+            watch[WATCH_DEEPEST] = max(watch[WATCH_DEEPEST], overlap)
             if effects.upper and overlap > height_of_second(effects, tilt + solver.y[2]):
                 raise InputError(
                     "dop853 follows one cap or corner, and here the second touches the plate"
@@ -340,14 +328,14 @@ def follow(
             others = ()  # the spring rattles as the force ends: a last 1e-10 of its impulse
         s, y, which = contact.first(solver, signals, others)
         phase = SLIDE if not stopped else STUCK if contact.mode == STICK else TURNED
-        durations[phase] += s**4 - begin**4
-        impulses[phase] += y[7] - pushed
+        watch[phase] += s**4 - begin**4
+        watch[IMPULSE + phase] += y[7] - pushed
         if which == 1:
             contact.choose(y)
         stopped = stopped or which == 2 or (which == 1 and contact.rigid)
+    watch[WATCH_STOPPED] = stopped
     position = np.array([y[0], contact.setting[1][2] + y[1], tilt + y[2]])
-    calls, seconds = contact.evaluations, perf_counter() - start
-    return Outcome(position, y[3:6], durations, impulses, stopped, deepest, calls, seconds)
+    return Outcome(position, y[3:6], watch, contact.evaluations, perf_counter() - start)
 
 
 # Either
@@ -437,16 +425,16 @@ def impact(
         done = _by_steps(effects, position, np.array(velocity), integrator, step, offset)
     c_x, c_z, omega = map(float, done.velocity)
     v_f = c_z - omega * end.arm(done.position[2])[0]
-    stuck, turned = done.impulses[STUCK], done.impulses[TURNED]
+    durations = done.watch[:IMPULSE]
     return Impact(
         c_x=c_x,
         c_z=c_z,
         omega=omega,
         restitution=float(v_f / speed),
-        regime=REGIMES[regime_of(done.stopped, stuck, turned)],
-        phases=dict(zip(PHASES, map(float, done.durations), strict=True)),
-        max_overlap=float(done.deepest),
-        contact_time=float(sum(done.durations)),
+        regime=REGIMES[regime_of(done.watch)],
+        phases=dict(zip(PHASES, map(float, durations), strict=True)),
+        max_overlap=float(done.watch[WATCH_DEEPEST]),
+        contact_time=float(sum(durations)),
         dt=step,
         steps=done.evaluations,
         seconds=done.seconds,

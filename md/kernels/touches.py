@@ -147,15 +147,14 @@ def watched(watch, effects, caps, plane, dt):
 
 
 @kernel
-def regime_of(stopped, stuck, turned):
+def regime_of(watch):
     """Regime of a contact: slide, or of the phase of larger normal impulse after the slip stopped.
 
-    `stopped`: whether the slip ever stopped; `stuck`, `turned`: normal impulses of the phases
-    after.
+    `watch`: numbers watched of it.
     """
-    if not stopped:
+    if watch[WATCH_STOPPED] == 0:
         return SLIDING
-    return SLIP_STICK if stuck >= turned else SLIP_REVERSAL
+    return SLIP_STICK if watch[IMPULSE + STUCK] >= watch[IMPULSE + TURNED] else SLIP_REVERSAL
 
 
 # The record
@@ -210,8 +209,7 @@ def ended(record, effects, rods, i, plate, step):
     put(record.open, i, AFTER, motion)
     row[DURATION] = step - row[STEP]
     row[PUSHED] /= row[DURATION]
-    stuck, turned = watch[IMPULSE + STUCK], watch[IMPULSE + TURNED]
-    row[REGIME] = regime_of(watch[WATCH_STOPPED] > 0, stuck, turned)
+    row[REGIME] = regime_of(watch)
     row[DEEPEST] = watch[WATCH_DEEPEST]
     for c in range(WIDTH):
         record.rows[n, c] = row[c]
