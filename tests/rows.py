@@ -27,7 +27,7 @@ from md.kernels.codes import (
 )
 from md.kernels.contact import ContactForces, Friction, Normal
 from md.kernels.march import Watchers
-from md.kernels.neighbours import nearest
+from md.kernels.neighbours import Axes, nearest
 from md.kernels.state import Effects, Motion, Wall
 from md.kernels.touches import new_record
 from md.kernels.vectors import IN_SPACE
@@ -197,7 +197,7 @@ def distance(rods, i, j, half=HALF):
     """Distance of the axes of two rods in space, as the kernels find it."""
     places, directors = rods[:, PLACE:DIRECTOR], rods[:, DIRECTOR:VELOCITY]
     vectors = places[i] - places[j], directors[i], directors[j]
-    return sqrt(nearest(*map(tuple, vectors), half))
+    return sqrt(nearest(Axes(*map(tuple, vectors)), half))
 
 
 # Two rods in the plane, without a look at the engine

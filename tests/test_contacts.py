@@ -14,7 +14,7 @@ from impact import Body, collide_pair
 from md.kernels.batch import SIZE
 from md.kernels.codes import C_X, OMEGA, PAIR_NORMAL, ROW_DIRECTION, ROW_PLACE, ROW_VELOCITY
 from md.kernels.contact import ContactForces
-from md.kernels.neighbours import between_ends, near_end
+from md.kernels.neighbours import Axes, between_ends, near_end
 from md.kernels.state import Wall
 
 from .command_line import DOCS
@@ -78,7 +78,7 @@ def test_m7_distances_of_nearly_parallel_rods_are_accurate():
         rods = in_plane((*place, tilt), (0, 0, tilt + turn))
         apart, a, b = (tuple(v) for v in (place, *rods[:, ROW_DIRECTION]))
         for end, (p, q) in enumerate(meetings(rods.astype(np.longdouble))[0]):
-            got = np.hypot(*near_end(apart, a, b, HALF, end).gap)
+            got = np.hypot(*near_end(Axes(apart, a, b), HALF, end).gap)
             worst = max(worst, abs(got - np.hypot(*(p - q))))
     assert 0 < worst <= 4 * EPS * 9
 
@@ -93,7 +93,7 @@ def test_m7_the_distance_of_rods_that_nearly_cross_is_exact():
         a, b = np.array([1.0, 0, 0]), np.array([np.cos(angle), 0, np.sin(angle)])
         s, t = random.uniform(-1, 1, 2)
         apart = np.array([0, 0.97, 0]) - s * a + t * b
-        near, inside, skew = between_ends(tuple(apart), tuple(a), tuple(b), HALF)
+        near, inside, skew = between_ends(Axes(*map(tuple, (apart, a, b))), HALF)
         if angle < 0.9e-6:
             assert not inside
         elif angle > 1.1e-6:

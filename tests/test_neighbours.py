@@ -24,7 +24,7 @@ from md.kernels.codes import (
     X,
     Z,
 )
-from md.kernels.neighbours import PAIR, near_end
+from md.kernels.neighbours import PAIR, Axes, near_end
 from md.kernels.vectors import IN_PLANE, IN_SPACE
 
 from .rows import (
@@ -224,7 +224,7 @@ def test_what_sleeps_wakes_in_time(name):
         listed = usual.state.listed
         slept += np.count_nonzero(listed.asleep[0, [1, PAIR]] > listed.travelled)
         apart = tuple(np.subtract(*usual.rods[:, ROW_PLACE]))
-        near = near_end(apart, *map(tuple, usual.rods[:, ROW_DIRECTION]), HALF, 1)
+        near = near_end(Axes(apart, *map(tuple, usual.rods[:, ROW_DIRECTION])), HALF, 1)
         wide.append(1 - np.sqrt(near.square))
     assert slept > 50
     assert min(wide) < -0.04

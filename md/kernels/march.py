@@ -35,7 +35,7 @@ from .codes import (
     WALL_TOO_DEEP,
 )
 from .contact import elastic_energy, free_turn, size, turn_by
-from .neighbours import between_ends, gap_vector, near_end, too_fast
+from .neighbours import Axes, between_ends, gap_vector, near_end, too_fast
 from .pairs import NEARER, ends_of, nearer, pair_forces, rise, seen_through
 from .state import (
     Clock,
@@ -276,32 +276,32 @@ def of_wall(wall, upper, half, place, director, side):
 
 
 @kernel
-def of_crossing(law, half, apart, a, b):
+def of_crossing(law, half, axes):
     """Elastic energy of two rods that touch between their ends, in space."""
-    if len(a) == 2:
+    if len(axes.a) == 2:
         return 0.0
-    near, inside, _ = between_ends(apart, a, b, half)
+    near, inside, _ = between_ends(axes, half)
     if not inside:
         return 0.0
     distance, share = sqrt(near.square), 1.0
     for end in range(4):
-        share *= nearer(near_end(apart, a, b, half, end), distance)[0]
+        share *= nearer(near_end(axes, half, end), distance)[0]
     return share * elastic_energy(law, 1.0 - distance)
 
 
 @kernel
-def of_pair(law, upper, half, apart, a, b):
+def of_pair(law, upper, half, axes):
     """Elastic energy of all contacts of two rods."""
     total = 0.0
     for end in range(ends_of(upper)):
-        total += elastic_energy(law, 1.0 - sqrt(near_end(apart, a, b, half, end).square))
+        total += elastic_energy(law, 1.0 - sqrt(near_end(axes, half, end).square))
     if upper is None:
         return total
     for end in range(2):
-        near = near_end(apart, a, b, half, end)
-        r = gap_vector(apart, a, b, near.s, half if near.t > 0.0 else -half)
+        near = near_end(axes, half, end)
+        r = gap_vector(axes, near.s, half if near.t > 0.0 else -half)
         total -= elastic_energy(law, 1.0 - sqrt(dot(r, r)))
-    return total + of_crossing(law, half, apart, a, b)
+    return total + of_crossing(law, half, axes)
 
 
 @kernel
@@ -316,7 +316,8 @@ def of_pairs(between, effects, rods, listed, dt):
         place, a = earlier(effects.up, rods, i, dt)
         other, b = earlier(effects.up, rods, j, dt)
         apart = seen_through(effects.period, along(place, -1.0, other), image)
-        total += of_pair(between.normal, effects.upper, effects.half_length, apart, a, b)
+        axes = Axes(apart, a, b)
+        total += of_pair(between.normal, effects.upper, effects.half_length, axes)
     return total
 
 

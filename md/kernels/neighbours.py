@@ -27,6 +27,14 @@ from .vectors import along, dot, vector
 CHORD = 0.4142  # < sqrt(2) - 1: of the square root between 1 and 2, so a bound from below
 
 
+class Axes(NamedTuple):
+    """Axes of two rods, and how they lie."""
+
+    apart: tuple  # d; from the second centre to the first
+    a: tuple  # director of the first rod
+    b: tuple  # director of the second rod
+
+
 class Near(NamedTuple):
     """Point on each axis of two rods, and the distance of the points."""
 
@@ -37,38 +45,33 @@ class Near(NamedTuple):
 
 
 @kernel
-def at_end(apart, a, b, half, end):
-    """Points s, t on both axes of the contact at one of the four ends of two rods.
-
-    `apart` leads from the second centre to the first; `a`, `b` are the directors.
-    """
-    across, side = dot(a, b), half if end & 1 else -half
-    if end < 2:
-        return side, min(max(dot(apart, b) + side * across, -half), half)
-    return min(max(side * across - dot(apart, a), -half), half), side
-
-
-@kernel
-def gap_vector(apart, a, b, s, t):
+def gap_vector(axes, s, t):
     """Vector to the point s on the first axis from the point t on the second."""
+    apart, a, b = axes
     return along(along(apart, s, a), -t, b)
 
 
 @kernel
-def near_end(apart, a, b, half, end):
+def near_end(axes, half, end):
     """`Near` of the contact at one of the four ends of two rods."""
-    s, t = at_end(apart, a, b, half, end)
-    r = gap_vector(apart, a, b, s, t)
+    apart, a, b = axes
+    across, side = dot(a, b), half if end & 1 else -half
+    if end < 2:
+        s, t = side, min(max(dot(apart, b) + side * across, -half), half)
+    else:
+        s, t = min(max(side * across - dot(apart, a), -half), half), side
+    r = gap_vector(axes, s, t)
     return Near(s, t, r, dot(r, r))
 
 
 @kernel
-def between_ends(apart, a, b, half):
+def between_ends(axes, half):
     """`Near` of two lines' closest points, whether both lie on the rods, sin^2 of the lines' angle.
 
     The lines carry the rods' axes. Where they are nearly parallel the second point may be far off;
     the first is the nearest to it, so that their distance is hardly wrong.
     """
+    apart, a, b = axes
     across = dot(a, b)
     skew = 1.0 - across * across
     if skew < 1e-12:
@@ -76,33 +79,34 @@ def between_ends(apart, a, b, half):
     p, q = dot(apart, a), dot(apart, b)
     t = (q - across * p) / skew
     s = across * t - p
-    r = gap_vector(apart, a, b, s, t)
+    r = gap_vector(axes, s, t)
     return Near(s, t, r, dot(r, r)), abs(s) < half and abs(t) < half, skew
 
 
 @kernel
-def nearest(apart, a, b, half):
+def nearest(axes, half):
     """Squared distance of two axes, d^2; in the plane they do not cross."""
     least = np.inf
     for end in range(4):
-        least = min(least, near_end(apart, a, b, half, end).square)
-    if len(a) == 3:
-        near, inside, _ = between_ends(apart, a, b, half)
+        least = min(least, near_end(axes, half, end).square)
+    if len(axes.a) == 3:
+        near, inside, _ = between_ends(axes, half)
         if inside:
             least = min(least, near.square)
     return least
 
 
 @kernel
-def clearance(apart, a, b, half):
+def clearance(axes, half):
     """Quick lower bound of the distance of two axes beyond 1, d; negative where there is no bound.
 
     In the plane it is the distance of the second axis from the first one's line.
     """
+    apart, a, b = axes
     if len(a) == 2:
         off = abs(apart[0] * a[1] - apart[1] * a[0])
         return off - half * abs(a[0] * b[1] - a[1] * b[0]) - 1.0
-    near, inside, _ = between_ends(apart, a, b, half)
+    near, inside, _ = between_ends(axes, half)
     return sqrt(near.square) - 1.0 if inside else -1.0
 
 
@@ -228,7 +232,8 @@ def pair_up(up, rods, half, period, order, place, found):
             x, y = vector(rods, i, 0, up), vector(rods, j, 0, up)
             a, b = vector(rods, i, len(x), up), vector(rods, j, len(x), up)
             apart, shift = apart_by(x, y, gap, box)
-            if dot(apart, apart) >= reach * reach or nearest(apart, a, b, half) >= (1 + SKIN) ** 2:
+            axes = Axes(apart, a, b)
+            if dot(apart, apart) >= reach * reach or nearest(axes, half) >= (1 + SKIN) ** 2:
                 continue
             if len(up) == 3 and gap == box / 2 and i > j:  # found from the other one
                 continue

@@ -38,7 +38,7 @@ from .contact import elastic_energy
 from .neighbours import (
     CHORD,
     PAIR,
-    at_end,
+    Axes,
     between_ends,
     clearance,
     gap_vector,
@@ -62,9 +62,7 @@ class Pair(NamedTuple):
     i: np.uint64  # first rod
     j: np.uint64  # second rod
     entry: np.uint64  # of the list
-    apart: tuple  # d; from the second centre to the first
-    a: tuple  # director of the first rod
-    b: tuple  # director of the second rod
+    axes: Axes
 
 
 class Joint(NamedTuple):
@@ -82,7 +80,7 @@ def pair_of(effects, rods, index, k):
     i, j, up = np.uint64(index[k, 0]), np.uint64(index[k, 1]), effects.up  # never negative
     first, second = rod_of(up, rods, i), rod_of(up, rods, j)
     apart = seen_through(effects.period, along(first.place, -1.0, second.place), index[k, 2])
-    return Pair(i, j, np.uint64(k), apart, first.director, second.director)
+    return Pair(i, j, np.uint64(k), Axes(apart, first.director, second.director))
 
 
 @kernel
@@ -120,7 +118,7 @@ def moving(effects, state, i, arm):
 @kernel
 def collect(effects, state, n, pair, near, share, slot):
     """Store a contact of two rods at place n of the batch; return the contact count."""
-    i, j, entry, _, a, b = pair
+    i, j, entry, (_, a, b) = pair
     s, t, gap, _ = near
     p, q = along(times(s, a), -0.5, gap), along(times(t, b), 0.5, gap)
     v, gain = moving(effects, state, i, p)
@@ -147,8 +145,8 @@ def act(effects, state, ledger, count, dt):
 def repel(total, pair, s, t, gap, force):
     """Add a force that drives points of two axes apart, or together if it is < 0."""
     f = times(force / sqrt(dot(gap, gap)), gap)
-    pull(total, pair.i, times(s, pair.a), f)
-    pull(total, pair.j, times(t, pair.b), times(-1.0, f))
+    pull(total, pair.i, times(s, pair.axes.a), f)
+    pull(total, pair.j, times(t, pair.axes.b), times(-1.0, f))
 
 
 # Ends that meet
@@ -199,15 +197,14 @@ def joined_ends(effects, state, pair, near, end):
     half, total, listed = effects.half_length, state.scratch.total, state.listed
     s, foot, gap, _ = near
     other = 3 if foot > 0.0 else 2
-    back, t = at_end(pair.apart, pair.a, pair.b, half, other)
-    across = gap_vector(pair.apart, pair.a, pair.b, s, t)
+    back, t, second_gap, _ = near_end(pair.axes, half, other)
+    across = gap_vector(pair.axes, s, t)
     first, second = abs(t - foot), abs(s - back)
     met = joint(dot(across, across), first, second)
     now, up = listed.turn[0], effects.up
     one_spring(listed.springs, now, pair.entry, end, other, first, second, up)
     if first > 0.0 and second > 0.0:
         force = effects.between.normal.stiffness * met.force
-        second_gap = gap_vector(pair.apart, pair.a, pair.b, back, t)
         repel(total, pair, s, foot, gap, met.part * force)
         repel(total, pair, back, t, second_gap, (1.0 - met.part) * force)
         repel(total, pair, s, t, across, -force)
@@ -252,12 +249,12 @@ def shared(law, total, pair, near, half):
     It is below 1 near an end, and where rods are nearly parallel. The forces are the slopes of the
     weight: each end is pushed off, the contact pulled in.
     """
-    apart, a, b, distance = pair.apart, pair.a, pair.b, sqrt(near.square)
+    distance = sqrt(near.square)
     ends = (
-        near_end(apart, a, b, half, 0),
-        near_end(apart, a, b, half, 1),
-        near_end(apart, a, b, half, 2),
-        near_end(apart, a, b, half, 3),
+        near_end(pair.axes, half, 0),
+        near_end(pair.axes, half, 1),
+        near_end(pair.axes, half, 2),
+        near_end(pair.axes, half, 3),
     )
     (w_0, pull_0), (w_1, pull_1) = nearer(ends[0], distance), nearer(ends[1], distance)
     (w_2, pull_2), (w_3, pull_3) = nearer(ends[2], distance), nearer(ends[3], distance)
@@ -286,7 +283,7 @@ def crossing(up, effects, state, pair, was, n):
     if len(up) == 2:
         return n, False, np.inf
     half = effects.half_length
-    near, inside, skew = between_ends(pair.apart, pair.a, pair.b, half)
+    near, inside, skew = between_ends(pair.axes, half)
     if not inside or near.square >= 1.0:
         if was & BETWEEN:
             opened(effects.up, state.listed, pair.entry, CROSSING)
@@ -324,7 +321,7 @@ def pair_forces(between, effects, state, ledger, dt):
             continue
         pair, was = pair_of(effects, rods, index, k), index[k, TOUCHED]
         if was == 0:
-            open_by = clearance(pair.apart, pair.a, pair.b, half)
+            open_by = clearance(pair.axes, half)
             if open_by >= 0.0:
                 asleep[k, PAIR] = travelled + 0.5 * open_by
                 continue
@@ -342,7 +339,7 @@ def pair_forces(between, effects, state, ledger, dt):
             if travelled < asleep[k, end]:
                 until = min(until, asleep[k, end])
                 continue
-            near = near_end(pair.apart, pair.a, pair.b, half, end)
+            near = near_end(pair.axes, half, end)
             if near.square >= 1.0:
                 opened(effects.up, listed, k, end)
                 asleep[k, end] = travelled + 0.5 * CHORD * (min(near.square, 2.0) - 1.0)
