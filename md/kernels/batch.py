@@ -29,7 +29,7 @@ SHARE = 21  # weight of the contact, 0 to 1, if several are one
 PRESSED, RUB, SPRING = 22, 23, 26  # F_n, F_t, length of the spring
 # Results:
 FORCE = 29  # on the first rod
-NORMAL_LOSS, FRICTION_LOSS = 32, 33  # of this step
+LOST = 32  # in this step: in the normal dashpot, and by friction
 NUMBERS = 34
 
 ONE, TWO = (1,), (1, 1)  # number of rods of a contact, as the length of a tuple
@@ -63,7 +63,7 @@ class Alike(NamedTuple):
     rods: tuple  # `ONE` at a wall, or `TWO`
     inertia: Inertia
     up: tuple  # unit vector upwards: of two numbers in the plane, of three in space
-    columns: tuple[int, int]  # of the ledger, for losses in normal dashpots and by friction
+    column: int  # of the ledger, for losses in normal dashpots; the next one, by friction
 
 
 def no_contacts() -> Batch:
@@ -81,12 +81,6 @@ def get(numbers, what, c):
 
 
 @kernel
-def fill(numbers, what, c, value):
-    """Store number `what` of contact c."""
-    numbers[np.uint64(what * SIZE + c)] = value
-
-
-@kernel
 def get_vector(numbers, what, c, like):
     """Vector of contact c, from number `what` on; as many components as `like`."""
     if len(like) == 1:
@@ -97,10 +91,10 @@ def get_vector(numbers, what, c, like):
 
 
 @kernel
-def fill_all(numbers, what, c, v):
+def fill(numbers, what, c, v):
     """Store a vector of contact c, from number `what` on."""
     for k in range(len(v)):
-        fill(numbers, what + k, c, v[k])
+        numbers[np.uint64((what + k) * SIZE + c)] = v[k]
 
 
 @kernel
@@ -114,9 +108,9 @@ def get_kept(numbers, c, up):
 @kernel
 def fill_kept(numbers, c, kept):
     """Store the `Kept` of contact c, as for the weight 1."""
-    fill(numbers, PRESSED, c, kept.force)
-    fill_all(numbers, RUB, c, kept.rub)
-    fill_all(numbers, SPRING, c, kept.spring)
+    fill(numbers, PRESSED, c, (kept.force,))
+    fill(numbers, RUB, c, kept.rub)
+    fill(numbers, SPRING, c, kept.spring)
 
 
 @kernel
@@ -124,9 +118,9 @@ def fill_bodies(numbers, n, bodies):
     """Store both bodies of contact n, or the one at a wall: arms and, in space, directors."""
     for rod in range(len(bodies)):
         arm, director = bodies[rod]
-        fill_all(numbers, ARM + 3 * rod, n, arm)
+        fill(numbers, ARM + 3 * rod, n, arm)
         if len(arm) == 3:
-            fill_all(numbers, DIRECTOR + 3 * rod, n, director)
+            fill(numbers, DIRECTOR + 3 * rod, n, director)
 
 
 @kernel
@@ -134,11 +128,11 @@ def enter(batch, n, given, forces, springs, up):
     """Store a contact at place n, with its kept forces and spring; return the contact count."""
     (numbers, place), at, row, slot = batch, np.uint64(n), given.row, given.slot
     place[at, 0], place[at, 1], place[at, 2], place[at, 3] = given.first, given.second, row, slot
-    fill_all(numbers, GAP, n, given.gap)
+    fill(numbers, GAP, n, given.gap)
     fill_bodies(numbers, n, given.bodies)
-    fill_all(numbers, HALF, n, given.half)
-    fill_all(numbers, GAIN, n, given.gain)
-    fill(numbers, SHARE, n, given.share)
+    fill(numbers, HALF, n, given.half)
+    fill(numbers, GAIN, n, given.gain)
+    fill(numbers, SHARE, n, (given.share,))
     fill_kept(numbers, n, kept_of(up, forces, springs, row, slot))
     return n + 1
 
@@ -157,9 +151,7 @@ def bodies_of(rods, numbers, c, up):
 def note_losses(ledger, numbers, c, lost):
     """Store the energies lost in contact c in this step, if there is a ledger."""
     if ledger is not None:
-        share = get(numbers, SHARE, c)
-        fill(numbers, NORMAL_LOSS, c, share * lost[0])
-        fill(numbers, FRICTION_LOSS, c, share * lost[1])
+        fill(numbers, LOST, c, times(get(numbers, SHARE, c), lost))
 
 
 @kernel
@@ -176,19 +168,18 @@ def act_on(alike, ledger, numbers, c, dt):
     note_losses(ledger, numbers, c, found.lost)
     fill_kept(numbers, c, found.kept)
     push = along(spread(found.kept.rub, out), found.kept.force, out)
-    fill_all(numbers, FORCE, c, times(get(numbers, SHARE, c), push))
+    fill(numbers, FORCE, c, times(get(numbers, SHARE, c), push))
 
 
 @kernel
-def booked(ledger, numbers, columns, count):
+def booked(ledger, numbers, column, count):
     """Add losses of the first `count` contacts to two columns of the ledger, if there is one."""
     if ledger is not None:
-        normal, friction = 0.0, 0.0
-        for c in range(count):
-            normal += get(numbers, NORMAL_LOSS, c)
-            friction += get(numbers, FRICTION_LOSS, c)
-        ledger[columns[0]] += normal
-        ledger[columns[1]] += friction
+        for k in range(2):
+            lost = 0.0
+            for c in range(count):
+                lost += get(numbers, LOST + k, c)
+            ledger[column + k] += lost
 
 
 @kernel(inline=False)
@@ -208,4 +199,4 @@ def acted(alike, kept, sums, batch, ledger, count, dt):
             pull(sums, np.uint64(place[c, rod]), arm, times(sign, force))
         row, slot = np.uint64(place[c, 2]), np.uint64(place[c, 3])
         keep(forces, springs, row, slot, get_kept(numbers, c, up))
-    booked(ledger, numbers, alike.columns, count)
+    booked(ledger, numbers, alike.column, count)

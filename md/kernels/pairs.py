@@ -33,7 +33,7 @@ import numpy as np
 
 from ..cache import kernel
 from .batch import MOST, TWO, Alike, Given, acted, enter
-from .codes import CROSSING, DEEP, DONE, FULL_LIST, PAIR_FRICTION, PAIR_NORMAL, PAIR_TOO_DEEP
+from .codes import CROSSING, DEEP, DONE, FULL_LIST, PAIR_NORMAL, PAIR_TOO_DEEP
 from .contact import elastic_energy
 from .neighbours import (
     CHORD,
@@ -135,8 +135,7 @@ def act(effects, state, ledger, count, dt):
     """Compute the collected contacts and add their forces to rods; return 0, as none is left."""
     listed, total, batch = state.listed, state.scratch.total, state.scratch.batch
     kept = listed.forces[listed.turn[0]], kept_in(listed.springs, listed.turn[0])
-    columns = PAIR_NORMAL, PAIR_FRICTION
-    alike = Alike(effects.between, TWO, inertia_of(effects), effects.up, columns)
+    alike = Alike(effects.between, TWO, inertia_of(effects), effects.up, PAIR_NORMAL)
     acted(alike, kept, total, batch, ledger, count, dt)
     return 0
 

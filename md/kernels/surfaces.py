@@ -12,7 +12,7 @@ import numpy as np
 
 from ..cache import kernel
 from .batch import FORCE, MOST, ONE, Alike, Given, acted, enter, get
-from .codes import DEEP, INNER, OUTER, PLATE_WORK, WALL_FRICTION, WALL_NORMAL
+from .codes import DEEP, INNER, OUTER, PLATE_WORK, WALL_NORMAL
 from .contact import Kept, Meeting, contact, elastic_energy, turn_by, turning
 from .pairs import NEARER, moving, rise
 from .state import forget, inertia_of, nothing_kept, point, pull, rod_of
@@ -214,8 +214,8 @@ def collect(effects, state, n, i, at, climb, dt):
 def act(wall, effects, state, ledger, climb, count, dt):
     """Compute the collected contacts of a wall and add their forces; return 0, as none is left."""
     total, batch = state.scratch.total, state.scratch.batch
-    kept, columns = (state.forces, state.springs), (WALL_NORMAL, WALL_FRICTION)
-    alike = Alike(wall, ONE, inertia_of(effects), IN_SPACE, columns)
+    kept = state.forces, state.springs
+    alike = Alike(wall, ONE, inertia_of(effects), IN_SPACE, WALL_NORMAL)
     acted(alike, kept, total, batch, ledger, count, dt)
     worked(effects.shaken, ledger, batch.numbers, climb[1] * dt, count)
     return 0
