@@ -13,7 +13,7 @@ import numpy as np
 from ..cache import kernel
 from .contact import Inertia, Kept, Meeting, contact
 from .state import keep, kept_of, pull
-from .vectors import along, dot, nothing, nothing_across, spread, times
+from .vectors import along, dot, nothing, nothing_across, put, spread, times
 
 SIZE = 64  # contacts; fixed, so that the compiler knows how far apart numbers lie
 MOST = SIZE - 8  # contacts collected at most before the next pair or rod is looked at
@@ -45,10 +45,7 @@ class Batch(NamedTuple):
 class Given(NamedTuple):
     """Contact that is to be computed, before it is stored in a batch."""
 
-    first: np.uint64  # rods; of a wall, the first counts
-    second: np.uint64
-    row: np.uint64  # of the kept forces and springs
-    slot: int
+    where: tuple  # both rods, of a wall twice the one; row and slot of the kept forces and springs
     gap: tuple  # d; 1 - overlap along the normal
     bodies: tuple  # this and the next two: as in `contact.Meeting`
     half: tuple
@@ -124,16 +121,19 @@ def fill_bodies(numbers, n, bodies):
 
 
 @kernel
-def enter(batch, n, given, forces, springs, up):
-    """Store a contact at place n, with its kept forces and spring; return the contact count."""
-    (numbers, place), at, row, slot = batch, np.uint64(n), given.row, given.slot
-    place[at, 0], place[at, 1], place[at, 2], place[at, 3] = given.first, given.second, row, slot
+def enter(batch, n, given, kept, up):
+    """Store a contact at place n, with its forces and spring of `kept`; return the contact count.
+
+    `kept`: forces and springs of all contacts.
+    """
+    (numbers, place), (row, slot) = batch, given.where[2:]
+    put(place, np.uint64(n), 0, given.where)
     fill(numbers, GAP, n, given.gap)
     fill_bodies(numbers, n, given.bodies)
     fill(numbers, HALF, n, given.half)
     fill(numbers, GAIN, n, given.gain)
     fill(numbers, SHARE, n, (given.share,))
-    fill_kept(numbers, n, kept_of(up, forces, springs, row, slot))
+    fill_kept(numbers, n, kept_of(up, *kept, row, slot))
     return n + 1
 
 

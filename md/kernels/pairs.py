@@ -101,10 +101,16 @@ def kept_in(array, now):
 
 
 @kernel
+def in_use(listed):
+    """Forces and springs of the list in use."""
+    now = listed.turn[0]
+    return listed.forces[now], kept_in(listed.springs, now)
+
+
+@kernel
 def opened(up, listed, k, slot):
     """Clear the kept force and spring of a contact of entry k that is open."""
-    now = listed.turn[0]
-    forget(up, listed.forces[now], kept_in(listed.springs, now), k, slot)
+    forget(up, *in_use(listed), k, slot)
 
 
 @kernel
@@ -124,17 +130,15 @@ def collect(effects, state, n, pair, near, share, slot):
     v, gain = moving(effects, state, i, p)
     u, other = moving(effects, state, j, q)
     half, gain = along(v, -1.0, u), along(gain, -1.0, other)
-    given = Given(i, j, entry, slot, gap, ((p, a), (q, b)), half, gain, share)
-    listed, now = state.listed, state.listed.turn[0]
-    forces, springs = listed.forces[now], kept_in(listed.springs, now)
-    return enter(state.scratch.batch, n, given, forces, springs, effects.up)
+    where = i, j, entry, np.uint64(slot)
+    given = Given(where, gap, ((p, a), (q, b)), half, gain, share)
+    return enter(state.scratch.batch, n, given, in_use(state.listed), effects.up)
 
 
 @kernel
 def act(effects, state, ledger, count, dt):
     """Compute the collected contacts and add their forces to rods; return 0, as none is left."""
-    listed, total, batch = state.listed, state.scratch.total, state.scratch.batch
-    kept = listed.forces[listed.turn[0]], kept_in(listed.springs, listed.turn[0])
+    kept, total, batch = in_use(state.listed), state.scratch.total, state.scratch.batch
     alike = Alike(effects.between, TWO, inertia_of(effects), effects.up, PAIR_NORMAL)
     acted(alike, kept, total, batch, ledger, count, dt)
     return 0

@@ -206,8 +206,9 @@ def collect(effects, state, n, i, at, climb, dt):
         half, gain = raised(half, -before), raised(gain, (before - now) * 2 / dt)
     # a rounding may have told a touch
     gap = times(0.5 + min(at.reach, 0.5), at.out)
-    given = Given(rod, rod, rod, at.slot, gap, ((arm, director),), half, gain, at.share)
-    return enter(state.scratch.batch, n, given, state.forces, state.springs, IN_SPACE)
+    where = rod, rod, rod, np.uint64(at.slot)
+    given = Given(where, gap, ((arm, director),), half, gain, at.share)
+    return enter(state.scratch.batch, n, given, (state.forces, state.springs), IN_SPACE)
 
 
 @kernel
