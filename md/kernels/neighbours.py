@@ -22,7 +22,7 @@ import numpy as np
 
 from ..cache import kernel
 from .codes import DEEP, SKIN
-from .vectors import along, dot, vector
+from .vectors import along, dot, put, vector
 
 CHORD = 0.4142  # < sqrt(2) - 1: of the square root between 1 and 2, so a bound from below
 
@@ -270,8 +270,7 @@ def rebuilt(n, listed, found, count):
         i = found[m, 0]
         start[new, i] -= 1
         k = start[new, i]
-        for c in range(3):
-            index[new, k, c] = found[m, c]
+        put(index[new], k, 0, found[m])
         before, index[new, k, 3] = -1, 0
         for o in range(start[old, i], start[old, i + 1]):
             if index[old, o, 1] == found[m, 1] and index[old, o, 2] == found[m, 2]:
@@ -309,8 +308,7 @@ def renewed(up, rods, half, period, listed, place, found):
     if count >= 0:
         rebuilt(rods.shape[0], listed, found, count)
         for i in range(rods.shape[0]):
-            for c in range(listed.built.shape[1]):
-                listed.built[i, c] = rods[i, c]
+            put(listed.built, i, 0, rods[i, : listed.built.shape[1]])
     return count >= 0
 
 

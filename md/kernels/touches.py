@@ -211,8 +211,7 @@ def ended(record, effects, rods, i, plate, step):
     row[PUSHED] /= row[DURATION]
     row[REGIME] = regime_of(watch)
     row[DEEPEST] = watch[WATCH_DEEPEST]
-    for c in range(WIDTH):
-        record.rows[n, c] = row[c]
+    put(record.rows, n, 0, row[:WIDTH])
     record.count[0] = n + 1
     row[_LEFT] = step
     watch[:] = 0.0

@@ -170,6 +170,6 @@ def add(array, i, first, v):
 
 @kernel
 def put(array, i, first, v):
-    """Store a vector in row i of an array, from column `first` on."""
+    """Store a vector, or numbers of an array, in row i of an array, from column `first` on."""
     for c in range(len(v)):
         array[i, first + c] = v[c]
