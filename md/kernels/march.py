@@ -35,7 +35,7 @@ from .codes import (
     WALL_TOO_DEEP,
 )
 from .contact import elastic_energy, free_turn, size, turn_by
-from .neighbours import Axes, between_ends, gap_vector, near_end, too_fast
+from .neighbours import Axes, between_ends, near_at, near_end, too_fast
 from .pairs import NEARER, ends_of, nearer, pair_forces, rise, seen_through
 from .state import (
     Clock,
@@ -299,8 +299,8 @@ def of_pair(law, upper, half, axes):
         return total
     for end in range(2):
         near = near_end(axes, half, end)
-        r = gap_vector(axes, near.s, half if near.t > 0.0 else -half)
-        total -= elastic_energy(law, 1.0 - sqrt(dot(r, r)))
+        ends = near_at(axes, near.s, half if near.t > 0.0 else -half)
+        total -= elastic_energy(law, 1.0 - sqrt(ends.square))
     return total + of_crossing(law, half, axes)
 
 

@@ -45,10 +45,10 @@ class Near(NamedTuple):
 
 
 @kernel
-def gap_vector(axes, s, t):
-    """Vector to the point s on the first axis from the point t on the second."""
-    apart, a, b = axes
-    return along(along(apart, s, a), -t, b)
+def near_at(axes, s, t):
+    """`Near` of the point s on the first axis and the point t on the second."""
+    gap = along(along(axes.apart, s, axes.a), -t, axes.b)
+    return Near(s, t, gap, dot(gap, gap))
 
 
 @kernel
@@ -60,8 +60,7 @@ def near_end(axes, half, end):
         s, t = side, min(max(dot(apart, b) + side * across, -half), half)
     else:
         s, t = min(max(side * across - dot(apart, a), -half), half), side
-    r = gap_vector(axes, s, t)
-    return Near(s, t, r, dot(r, r))
+    return near_at(axes, s, t)
 
 
 @kernel
@@ -79,8 +78,7 @@ def between_ends(axes, half):
     p, q = dot(apart, a), dot(apart, b)
     t = (q - across * p) / skew
     s = across * t - p
-    r = gap_vector(axes, s, t)
-    return Near(s, t, r, dot(r, r)), abs(s) < half and abs(t) < half, skew
+    return near_at(axes, s, t), abs(s) < half and abs(t) < half, skew
 
 
 @kernel

@@ -41,13 +41,13 @@ from .neighbours import (
     Axes,
     between_ends,
     clearance,
-    gap_vector,
+    near_at,
     near_end,
     outdated,
     renewed,
 )
 from .state import forces_at, forget, inertia_of, point, pull, rod_of
-from .vectors import along, axial, dot, put, times
+from .vectors import along, axial, put, times
 
 BELOW_ONE = 1.0 - 2.0**-53  # next to 1
 NEARER = 0.1  # d; by so much nearer than all ends, a contact between them counts in full
@@ -145,11 +145,11 @@ def act(effects, state, ledger, count, dt):
 
 
 @kernel
-def repel(total, pair, s, t, gap, force):
+def repel(total, pair, near, force):
     """Add a force that drives points of two axes apart, or together if it is < 0."""
-    f = times(force / sqrt(dot(gap, gap)), gap)
-    pull(total, pair.i, times(s, pair.axes.a), f)
-    pull(total, pair.j, times(t, pair.axes.b), times(-1.0, f))
+    f = times(force / sqrt(near.square), near.gap)
+    pull(total, pair.i, times(near.s, pair.axes.a), f)
+    pull(total, pair.j, times(near.t, pair.axes.b), times(-1.0, f))
 
 
 # Ends that meet
@@ -197,20 +197,18 @@ def joined_ends(effects, state, pair, near, end):
 
     These forces keep energy. `end`: of the first rod, with its `near`; the second end is 2 or 3.
     """
-    half, total, listed = effects.half_length, state.scratch.total, state.listed
-    s, foot, gap, _ = near
-    other = 3 if foot > 0.0 else 2
-    back, t, second_gap, _ = near_end(pair.axes, half, other)
-    across = gap_vector(pair.axes, s, t)
-    first, second = abs(t - foot), abs(s - back)
-    met = joint(dot(across, across), first, second)
-    now, up = listed.turn[0], effects.up
-    one_spring(listed.springs, now, pair.entry, end, other, first, second, up)
+    total, listed, up = state.scratch.total, state.listed, effects.up
+    other = 3 if near.t > 0.0 else 2
+    back = near_end(pair.axes, effects.half_length, other)
+    ends = near_at(pair.axes, near.s, back.t)
+    first, second = abs(ends.t - near.t), abs(ends.s - back.s)
+    met = joint(ends.square, first, second)
+    one_spring(listed.springs, listed.turn[0], pair.entry, end, other, first, second, up)
     if first > 0.0 and second > 0.0:
         force = effects.between.normal.stiffness * met.force
-        repel(total, pair, s, foot, gap, met.part * force)
-        repel(total, pair, back, t, second_gap, (1.0 - met.part) * force)
-        repel(total, pair, s, t, across, -force)
+        repel(total, pair, near, met.part * force)
+        repel(total, pair, back, (1.0 - met.part) * force)
+        repel(total, pair, ends, -force)
     return met.first, met.second, other
 
 
@@ -269,9 +267,9 @@ def shared(law, total, pair, near, half):
         energy * pull_2 * w_3 * first,
         energy * pull_3 * w_2 * first,
     )
-    repel(total, pair, near.s, near.t, near.gap, pulls[0] + pulls[1] + pulls[2] + pulls[3])
+    repel(total, pair, near, pulls[0] + pulls[1] + pulls[2] + pulls[3])
     for end in range(4):
-        repel(total, pair, ends[end].s, ends[end].t, ends[end].gap, -pulls[end])
+        repel(total, pair, ends[end], -pulls[end])
     return first * second
 
 
