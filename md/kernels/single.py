@@ -182,9 +182,7 @@ def in_mode(spring, mode, overlap, limit, length, slip):
 @kernel
 def friction_of_mode(friction, mode, overlap, force, length, slip):
     """F_t, rate of the spring's length and signal as of `in_mode`; without friction 0, 0, 1."""
-    if friction is None:
-        return 0.0, 0.0, 1.0
-    if mode == FREE:
+    if friction is None or mode == FREE:
         return 0.0, 0.0, 1.0
     return in_mode(friction.spring, mode, overlap, friction.coefficient * force, length, slip)
 

@@ -225,9 +225,7 @@ def act(wall, effects, state, ledger, climb, count, dt):
 @kernel
 def worked(shaken, ledger, numbers, climbed, count):
     """Add the work of a shaken wall to the ledger, by friction alone: the normal is level."""
-    if shaken is None:
-        return
-    if ledger is not None:
+    if shaken is not None and ledger is not None:
         for c in range(count):
             ledger[PLATE_WORK] += climbed * get(numbers, FORCE + 2, c)
 
