@@ -26,20 +26,21 @@ from scipy.optimize import brentq
 import md
 from impact import ContactGeometry, collide, thin_rod
 from md.kernels import touches
-from md.measures import HOP, merged, ratio
+from md.measures import HOP, merged
 from md.scene import from_tables
 from md.sweep import Sweep
 
 from ..claims.over_tilt import SMALL_DEG
 from ..lib.runs import (
+    DRIFT_AND_TILT,
     FRICTION,
     LENGTH,
     RESTITUTION,
     ROW,
     TILT_SCAN_WORDS,
     boxes,
+    drift_and_tilt,
     gathered,
-    larger_error,
     over_seeds,
     paper_rod,
     periods_of,
@@ -81,8 +82,8 @@ STEPS = {  # in order; each keeps what the ones before replaced
 }
 SIDES = [f"{name}_{side}" for side in ("before", "after") for name in ("c_x", "c_z", "omega")]
 VELOCITIES = ("V_z", *SIDES)  # means over touches, and over landings
-MEANS = ("drift", "tilt", "restitution", *VELOCITIES)
 LANDED = "landing_"  # before these names
+MEANS = ("restitution", *VELOCITIES, *(f"{LANDED}{name}" for name in VELOCITIES))
 
 
 def mean_drift(
@@ -136,13 +137,12 @@ def mean_drift(
     return float(brentq(excess, -far, far, xtol=1e-13)) + gain / 2
 
 
-def measures(rows: np.ndarray, per: int) -> dict[str, tuple[float, float]]:
-    """Means over touches, each alike, (value, standard error), periods being the blocks.
+def measures(rows: np.ndarray) -> dict[str, float]:
+    """Means over touches, each alike.
 
     Parameters
     ----------
     rows : touches behind the transient, as `md.run` hands them to `observe`
-    per : steps of a period
 
     Returns
     -------
@@ -150,32 +150,25 @@ def measures(rows: np.ndarray, per: int) -> dict[str, tuple[float, float]]:
     nobody pushes (of all, if there are fewer than `ENOUGH`).
     """
     rows = rows[np.isfinite(rows[:, touches.FLIGHT])]
-    every, alone = np.ones(len(rows)), rows[:, touches.PUSHED] == 0
-    among = alone if alone.sum() >= ENOUGH else every
-    block = (rows[:, touches.STEP] // per).astype(int)
-    block -= block.min()
-
-    def mean(top: np.ndarray, base: np.ndarray = every) -> tuple[float, float]:
-        return ratio(np.bincount(block, top), np.bincount(block, base))
-
+    alone = rows[rows[:, touches.PUSHED] == 0]
+    mean, among = rows.mean(axis=0), alone if len(alone) >= ENOUGH else rows
     return {
-        **{name: mean(rows[:, touches.BEFORE + i]) for i, name in enumerate(SIDES)},
-        "V_z": mean(rows[:, touches.PLATE]),
-        "restitution": mean(rows[:, touches.LEAVING] * among, -rows[:, touches.APPROACH] * among),
+        **dict(zip(SIDES, mean[touches.BEFORE : touches.PLATE].tolist(), strict=True)),
+        "V_z": float(mean[touches.PLATE]),
+        "restitution": float(-among[:, touches.LEAVING].sum() / among[:, touches.APPROACH].sum()),
     }
 
 
 def balanced(scene: md.Scene, periods: int) -> dict[str, Any]:
     """`measures` of a run, its drift and its tilt, for `runs.planned`."""
     rows, result = observed(scene, periods)
-    per = result.steps_per_period
-    landings, _ = merged(np.column_stack([rows, np.ones(len(rows))]), HOP * per)
-    landed = measures(landings, per)
+    ones = np.ones(len(rows))
+    landings, _ = merged(np.column_stack([rows, ones]), HOP * result.steps_per_period)
+    landed = measures(landings)
     return {
-        **measures(rows, per),
+        **measures(rows),
         **{f"{LANDED}{name}": landed[name] for name in VELOCITIES},
-        "drift": (result.c_x, result.c_x_stderr),
-        "tilt": (result.tilt_deg, result.tilt_stderr_deg),
+        **{name: getattr(result, name) for name in DRIFT_AND_TILT},
     }
 
 
@@ -214,21 +207,21 @@ def left(row: np.ndarray, drift: np.ndarray) -> np.ndarray:
 
 
 def closures_of(of: dict[str, np.ndarray], kind: str = "") -> dict[str, np.ndarray]:
-    """Measured values of `ASSUMED`, from means with their errors in the last axis.
+    """Measured values of `ASSUMED`, from means.
 
     Parameters
     ----------
     of : the means by name
     kind : `LANDED`: over landings, whose restitution is the one that is assumed; else over touches
     """
-    mean = {name: of[f"{kind}{name}"][..., 0] for name in VELOCITIES}
+    mean = {name: of[f"{kind}{name}"] for name in VELOCITIES}
     assumed = np.full_like(mean["V_z"], RESTITUTION)
     return {
         "V_z": mean["V_z"],
         "turned": -mean["c_z_before"] / mean["c_z_after"],
         "gain": mean["c_x_after"] - mean["c_x_before"],
         "spin": mean["omega_before"],
-        "restitution": assumed if kind else np.clip(of["restitution"][..., 0], 0, 1),
+        "restitution": assumed if kind else np.clip(of["restitution"], 0, 1),
     }
 
 
@@ -247,18 +240,14 @@ def data(quick: bool = False) -> Data:
     Velocities of `ASSUMED` are in units of the plate's peak velocity, the spin times half a rod.
     """
     sweep, scene = sweeps(quick)["tilt"], from_tables(ROW)
-    names = (*MEANS, *(f"{LANDED}{name}" for name in VELOCITIES))
-    of = dict(zip(names, gathered(sweep, *names), strict=True))
-    of["drift"] = of["drift"] * scene.cm_per_s
-    row, tilt = of["drift"][..., 0], of["tilt"][..., 0]
-    measured, speed = closures_of(of), scene.plate_speed
+    row, tilt, *means = gathered(sweep, "c_x_cm_s", "tilt_deg", *MEANS)
+    of, speed = dict(zip(MEANS, means, strict=True)), scene.plate_speed
+    measured = closures_of(of)
     steps, single = np.split(scene.cm_per_s * drifts(tilt, speed, measured), [len(STEPS)])
     landed = scene.cm_per_s * drifts(tilt, speed, closures_of(of, LANDED))[: len(STEPS)]
 
     nominal = np.degrees(np.arccos(scene.rods.count / sweep.values("box.length")))
-    found: Data = {}
-    for name in ("drift", "tilt"):
-        found |= with_error(name, *larger_error(*np.moveaxis(of[name], -1, 0)))
+    found: Data = drift_and_tilt(sweep)
     units = {"V_z": speed, "gain": speed, "spin": 2 * speed / LENGTH}
     larger = nominal > SMALL_DEG
     for name, values in {
@@ -282,10 +271,10 @@ def _draw_steps(ax: Axes, d: Data, names: tuple[str, ...]) -> None:
     for i, name, colour, form in zip(at, names, shades(len(names)), FORMS, strict=False):
         label = STEPS[name] if name == "printed" else f"+ {STEPS[name]}"
         curve(ax, d, "tilt", "step", colour, label, at=i, form=form, ms=2.5)
-    curve(ax, d, "tilt", "drift", label="row", ms=3.5, lw=1.2)
-    roof = max(np.nanmax(d["step"][at]), d["drift"].max())
+    curve(ax, d, "tilt", "c_x", label="row", ms=3.5, lw=1.2)
+    roof = max(np.nanmax(d["step"][at]), d["c_x"].max())
     tilt_axis(ax, 0, 65)
-    ax.set(ylabel=r"drift $c_x$ (cm/s)", ylim=(min(0, 1.1 * d["drift"].min()), 1.55 * roof))
+    ax.set(ylabel=r"drift $c_x$ (cm/s)", ylim=(min(0, 1.1 * d["c_x"].min()), 1.55 * roof))
     ax.legend(**LEGEND)
 
 
