@@ -8,10 +8,10 @@ import numpy as np
 
 from md import RunError
 
+from .. import load
 from ..checks import landing_census
 from ..lib import runs
 from ..lib.data import figure_data
-from ..paper import fig04, fig05
 from . import over_tilt
 from .uncertainty import Number, standard
 
@@ -31,7 +31,7 @@ class Whole(dict):
         return value
 
 
-ASSUMED = {"fig04": fig04.data, "fig05": fig05.data}  # figures that two laws have
+ASSUMED = "fig04", "fig05"  # figures that two laws have
 
 
 @dataclass
@@ -40,20 +40,23 @@ class Evidence:
 
     quick : the figures' quick data, shorter and coarser
     out : folder whose stored figures are read where they are current; None: all are computed
+    assumed : `ASSUMED` alone, under the simple law, from few starts
     """
 
     quick: bool = False
     out: Path | None = None
+    assumed: bool = False
     _figures: dict[str, dict[str, np.ndarray]] = field(default_factory=dict)
 
     def figure(self, name: str) -> dict[str, np.ndarray]:
         """Data of a figure by its name, read or computed once."""
         if name not in self._figures:
-            self._figures[name] = Whole(self._data(name))
+            if self.assumed:
+                d = load(name).data(self.quick, assumed=True)
+            else:
+                d = figure_data(name, self.quick, self.out)
+            self._figures[name] = Whole(d)
         return self._figures[name]
-
-    def _data(self, name: str) -> dict[str, np.ndarray]:
-        return figure_data(name, self.quick, self.out)
 
     @cached_property
     def over_tilt(self) -> dict[str, np.ndarray]:
@@ -66,11 +69,3 @@ class Evidence:
         names = "slide", "residual", "isolated_residual", "disturbed"
         found = runs.gathered(landing_census.one_row(self.quick), *names)
         return {name: standard(*pair) for name, pair in zip(names, found, strict=True)}
-
-
-class Assumed(Evidence):
-    """Data of the annulus under the simple law, from few starts, to measure claims on."""
-
-    def _data(self, name: str) -> dict[str, np.ndarray]:
-        """Data of one of the `ASSUMED` figures."""
-        return ASSUMED[name](self.quick, assumed=True)

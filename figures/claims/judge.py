@@ -108,9 +108,9 @@ def judge(quick: bool = False, progress: bool = False, out: Path | None = None) 
 
     from ..lib.timing import machine  # late, as in `measure`
     from . import any_rods
-    from .evidence import ASSUMED, Assumed, Evidence
+    from .evidence import ASSUMED, Evidence
 
-    evidence, simple, judged = Evidence(quick, out), Assumed(quick), []
+    evidence, simple, judged = Evidence(quick, out), Evidence(quick, assumed=True), []
     surveyed = evidence.figure("any_rods")
     quiet = None if progress else True
     bar = tqdm(read(), desc="judging", unit="claim", leave=False, disable=quiet)
