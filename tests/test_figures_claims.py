@@ -124,10 +124,10 @@ def test_arrays_that_are_read_vary_within_their_errors():
     def mean(d):
         return (d["x"] + d["y"] + d["z"]).mean()
 
-    both, one = resampled(d, mean), resampled(d, mean, "y")
+    both, one = resampled(d, mean), resampled(d, lambda d: d["y"].mean())
     assert both == (3.5, pytest.approx(0.1 * 2**0.5, rel=0.15), "standard error")
     assert one.error == pytest.approx(0.1, rel=0.15)
-    assert np.isnan(resampled(d, lambda d: np.nan, "y").error)
+    assert np.isnan(resampled(d, lambda d: np.nan).error)
     d["y_error"] = np.full(4, np.nan)
     assert np.isnan(resampled(d, lambda d: d["y"].mean()).error)
 
@@ -181,10 +181,10 @@ def test_a_slow_start_tells_what_it_comes_to(time):
     assert value / found == pytest.approx(3 / time, rel=0.04)
 
 
-def values_of(measure, d):
-    """Numbers that a function measures where every figure has these data, each hardly in error."""
+def values_of(claim, d):
+    """Numbers of a claim where every figure has these data, each hardly in error."""
     small = {f"{name}_error": np.full_like(value, 1e-6, float) for name, value in d.items()}
-    numbers = measure(SimpleNamespace(figure=lambda name: {**small, **d}))
+    numbers = judge.measure(claim, SimpleNamespace(figure=lambda name: {**small, **d}))
     return {key: number.value for key, number in numbers.items()}
 
 
@@ -193,11 +193,11 @@ def test_numbers_of_the_annulus_find_what_was_put_in():
     gamma = np.array([1.2, 1.6, 2.0, 3.0, 4.0])
     moving, slower = 2 * np.clip(gamma - 1.5, 0, None), np.clip(gamma - 1.7, 0, None)
     wall = {"wall": np.array([0, 0.3, 1.0]), "wall_c_x": np.array([10, 4, 0.5])}
-    assert values_of(measure_annulus.walls, wall) == pytest.approx(
+    assert values_of("S6", wall) == pytest.approx(
         {"rise": np.log(8) / np.log(0.3), "all": 0.05, "paper": 2.5}
     )
     d = {"gamma": gamma, "gamma_c_x": np.stack([moving] * 3, axis=1), "rest_gamma_c_x": slower}
-    assert values_of(measure_annulus.drift_over_gamma, d) == pytest.approx(
+    assert values_of("S5", d) == pytest.approx(
         {"onset": 1.4, "visible": 1.4, "rest": 1.8, "bend": 0, "slope": 2, "zero": 1.5}, abs=1e-9
     )
     d = {"count": np.array([56, 50, 44]), "mean": np.array([10.0, 16, 24])}
@@ -206,7 +206,7 @@ def test_numbers_of_the_annulus_find_what_was_put_in():
     assert set(arrangement.MEASURED) < set(d)
     expected = {"order": 1, "tilt": 10, "leaning": 24, "broken": 20, "appears": 16 + 8 / 3}
     expected |= {"share": 0.5, "contrast": 9, "spread": 6}
-    found = values_of(measure_annulus.zigzag, d)
+    found = values_of("S8", d)
     assert {key: found[key] for key in expected} == pytest.approx(expected)
 
 

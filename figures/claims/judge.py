@@ -29,7 +29,7 @@ NO_DATA = (md.RunError, np.linalg.LinAlgError)  # a run has failed; a fit throug
 
 
 def measure(claim: str, evidence: Any) -> dict[str, Number]:
-    """Numbers of a claim by key: those of the row over tilt, and those of its `MEASURES`.
+    """Numbers of a claim by key: those of the row over tilt, and those that `MEASURES` names.
 
     Parameters
     ----------
@@ -43,8 +43,11 @@ def measure(claim: str, evidence: Any) -> dict[str, Number]:
     for name, number in over_tilt.NUMBERS.items():
         if name.startswith(f"{claim}."):
             found[name.partition(".")[2]] = resampled(evidence.over_tilt, number)
-    for function in MEASURES.get(claim, ()):
-        found |= function(evidence)
+    if claim in MEASURES:
+        function, figure = MEASURES[claim]
+        d = evidence.figure(figure) if figure else evidence
+        for key, number in function(d).items():
+            found[key] = resampled(d, number) if callable(number) else number
     return found
 
 

@@ -157,14 +157,15 @@ def rolling(d: Data) -> Numbers:
         return rolling / still if still > 0 else np.nan
 
     def faster(d):
-        return d["rolling_c_x"][between].mean() / d["still_c_x"][alike][between].mean()
+        still = d["still_c_x"][alike]
+        return d["rolling_c_x"][between].mean() / still[between].mean()
 
     still_dip = _shape(d, "still", "dip")
     return {
         "kept": kept if still_dip.value > 0 else count(np.inf),
         "dip": _shape(d, "rolling", "dip"),
         "still_dip": still_dip,
-        "faster": resampled(d, faster, "still_c_x", "rolling_c_x"),
+        "faster": faster,
     }
 
 

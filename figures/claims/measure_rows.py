@@ -91,7 +91,7 @@ def over_gamma(d: Data) -> Numbers:
         **begins(d, "b_c_x"),
         "bend": lambda d: bend(d["gamma"][far], d["b_c_x"][far]),
         "slope": standard(f["line_slope"], f["line_slope_error"]),
-        "zero": resampled(d, lambda d: fig13.fits(d)["line_from"], "b_c_x"),
+        "zero": lambda d: fig13.fits(d)["line_from"],
     }
 
 

@@ -1,11 +1,11 @@
 """A measured number with its error; how errors of arrays carry over to what is made of them."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 
-MEASURES: dict[str, list[Callable]] = {}  # of each claim, functions of `evidence.Evidence`
+MEASURES: dict[str, tuple[Callable, str]] = {}  # of a claim: a function, the figure that it takes
 
 
 class Number(NamedTuple):
@@ -34,15 +34,8 @@ def measures(claim: str, figure: str = "") -> Callable[[Callable], Callable]:
     """
 
     def register(function: Callable) -> Callable:
-        def measured(evidence: Any) -> dict[str, Number]:
-            if not figure:
-                return function(evidence)
-            d = evidence.figure(figure)
-            found = function(d).items()
-            return {key: resampled(d, one) if callable(one) else one for key, one in found}
-
-        MEASURES.setdefault(claim, []).append(measured)
-        return measured
+        MEASURES[claim] = function, figure
+        return function
 
     return register
 
@@ -74,13 +67,8 @@ class _Watched(dict):
         return self.seen.setdefault(name, self.given[name])
 
 
-def varied(d: Mapping, names: Iterable[str], random: np.random.Generator) -> dict:
-    """Arrays by name, those of `names` moved at random within their standard errors."""
-    return {**d, **{n: random.normal(d[n], d[f"{n}_error"]) for n in names}}
-
-
-def resampled(d: Mapping, function: Callable[[Mapping], float], *names: str) -> Number:
-    """Value of `function(d)`; its spread as measured arrays vary within their standard errors.
+def resampled(d: Mapping, function: Callable[[Mapping], float]) -> Number:
+    """Value of `function(d)`; its spread as the arrays that it reads vary within their errors.
 
     The error is nan where an error is not known, or a value is not there in each of the draws.
 
@@ -88,13 +76,13 @@ def resampled(d: Mapping, function: Callable[[Mapping], float], *names: str) -> 
     ----------
     d : arrays; the standard errors of `name`, if it has any, are `name_error`
     function : of such a dictionary
-    names : arrays that vary; without names all that the function reads and that have errors
     """
-    random, watched = np.random.default_rng(1), _Watched(d)
+    random, watched, found = np.random.default_rng(1), _Watched(d), []
     value = function(watched)
-    names = names or tuple(name for name in watched.seen if f"{name}_error" in d)
-
-    found = [function(varied(d, names, random)) for _ in range(200)]
+    names = [name for name in watched.seen if f"{name}_error" in d]
+    for _ in range(200):
+        moved = {name: random.normal(d[name], d[f"{name}_error"]) for name in names}
+        found.append(function({**d, **moved}))
     return standard(value, float(np.std(found)) if np.isfinite(found).all() else np.nan)
 
 
