@@ -11,7 +11,6 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.collections import PathCollection
 from matplotlib.colors import LogNorm
 
@@ -22,7 +21,7 @@ __all__ = ["data", "draw", "sweeps"]
 RATIO_TICKS = 0.25, 0.5, 1, 2, 4  # of drift over the theory's, in colour
 
 
-def _over_restitution(ax: Axes, d: Data, colour: np.ndarray, **look: Any) -> PathCollection:
+def _over_restitution(ax, d, colour: np.ndarray, **look: Any) -> PathCollection:
     """Kinds of rods that keep their tilt, coloured, over restitution of plate and of rods."""
     some = kept(d)
     x, y = d["restitution, plate"][some], d["restitution, rods"][some]

@@ -18,7 +18,6 @@ from math import sqrt
 
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.axes import Axes
 
 import md
 from md.laws import STIFFNESS, deepest_overlap
@@ -120,7 +119,7 @@ def miss(restitution: np.ndarray) -> np.ndarray:
     return np.sqrt(np.mean(off**2, axis=-1))
 
 
-def _draw_tilts(ax: Axes, d: Data, where: int) -> None:
+def _draw_tilts(ax, d, where: int):
     ax.axhspan(*CLAIMED, color="0.85", lw=0)
     curves = zip(MASSES, d["restitution"][where, :, 0], COLOURS, WIDE, strict=True)
     for mass, e, colour, lw in curves:
@@ -129,7 +128,7 @@ def _draw_tilts(ax: Axes, d: Data, where: int) -> None:
     tilt_axis(ax, step=30)
 
 
-def _draw_distances(ax: Axes, d: Data) -> None:
+def _draw_distances(ax, d):
     for where, marker, off in zip(WHERE, "osD", d["compared"][:, :, 0], strict=True):
         ax.scatter(*off.T, 12, marker=marker, facecolor="none", edgecolor=COLOURS)
         ax.plot([], [], marker, color="0.3", mfc="none", label=where)
@@ -141,7 +140,7 @@ def _draw_distances(ax: Axes, d: Data) -> None:
     ax.legend(loc="lower left", title="overlap factor in")
 
 
-def _draw_why(ax: Axes, d: Data) -> None:
+def _draw_why(ax, d):
     for z, row, colour in zip(DAMPINGS, d["why"], shades(len(DAMPINGS)), strict=True):
         ax.plot(d["ratio"], row, color=colour, label=f"{z:g}")
     ax.plot(d["printed_ratio"], d["compared"][0, 0, 0, 1], "k*", ms=8, label="printed")

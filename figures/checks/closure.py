@@ -266,7 +266,7 @@ LEGEND: Look = {"loc": "upper center", "ncols": 2}
 FORMS = "s-", "^-", "v-", "D-"
 
 
-def _draw_steps(ax: Axes, d: Data, names: tuple[str, ...]) -> None:
+def _draw_steps(ax, d, names: tuple[str, ...]):
     at = [[*STEPS].index(name) for name in names]
     for i, name, colour, form in zip(at, names, shades(len(names)), FORMS, strict=False):
         label = STEPS[name] if name == "printed" else f"+ {STEPS[name]}"
@@ -278,7 +278,7 @@ def _draw_steps(ax: Axes, d: Data, names: tuple[str, ...]) -> None:
     ax.legend(**LEGEND)
 
 
-def _draw_assumed(ax: Axes, d: Data) -> None:
+def _draw_assumed(ax, d):
     labels = ("$V_z/V_0$", "$-c_z/c_z'$", "$(c_x'-c_x)/V_0$", r"$\omega\,l/2V_0$", r"$\epsilon$")
     looks = ((BLUE, "v-"), (GREEN, "D-"), (RED, "s-"), (BLACK, "o-"), (ORANGE, "^-"))
     for (name, value), label, (colour, form) in zip(ASSUMED.items(), labels, looks, strict=True):
@@ -290,7 +290,7 @@ def _draw_assumed(ax: Axes, d: Data) -> None:
     ax.legend(**LEGEND)
 
 
-def _draw_left(ax: Axes, d: Data) -> None:
+def _draw_left(ax, d):
     y, names = np.arange(len(STEPS)), list(STEPS.values())
     sets = ((-0.2, "left", BLACK, "all tilts"), (0.2, "left_larger", BLUE, f"> {SMALL_DEG}°"))
     thin = {"elinewidth": 0.7, "ecolor": "0.6"}

@@ -104,14 +104,14 @@ def data(quick: bool = False) -> Data:
     return found
 
 
-def _draw_regimes(ax, d) -> None:
+def _draw_regimes(ax, d):
     for name, colour in zip(REGIME_WORDS.values(), REGIME_COLOURS, strict=True):
         measure = name.split("-")[-1].split()[-1]
         curve(ax, d, "constraint_tilt", f"constraint_{measure}", colour, name)
     ax.set(ylabel="share of touches", ylim=(0, 1.6))
 
 
-def _draw_company(ax, d) -> None:
+def _draw_company(ax, d):
     """Draw the shares of touches with other rods in play, over tilt."""
     curve(ax, d, "constraint_tilt", "constraint_shared", ANOTHER, "pushed")
     curve(ax, d, "constraint_tilt", "constraint_disturbed", SKY, f"kicked > {DISTURBED:.0%}")
@@ -119,7 +119,7 @@ def _draw_company(ax, d) -> None:
     ax.set(ylabel="share of touches", ylim=(0, 1.6))
 
 
-def _draw_residual(ax, d) -> None:
+def _draw_residual(ax, d):
     for law, (name, colour) in LAWS.items():
         for kind, (_, form) in KINDS.items():
             curve(ax, d, f"{law}_tilt", f"{law}_{kind}", colour, form=form)
@@ -129,7 +129,7 @@ def _draw_residual(ax, d) -> None:
     ax.set(ylabel="error / change", yscale="log", ylim=(1e-6, 1e7))
 
 
-def _draw_shares(ax, d, sweep: str) -> None:
+def _draw_shares(ax, d, sweep: str):
     """Draw shares of landings and errors of the map over what a sweep changes."""
     curve(ax, d, sweep, f"{sweep}_shared", ANOTHER, "pushed")
     curve(ax, d, sweep, f"{sweep}_slide", REGIME_COLOURS[0], "slide")

@@ -10,7 +10,6 @@ its mean tilt falls, its drift does not change.
 
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.axes import Axes
 
 from md.sweep import Sweep
 
@@ -79,7 +78,7 @@ def over_largest(d: Data) -> tuple[np.ndarray, np.ndarray]:
     return part, error
 
 
-def _over_count(ax: Axes, d: Data, y: np.ndarray, error: np.ndarray) -> None:
+def _over_count(ax, d, y: np.ndarray, error: np.ndarray):
     """Draw an array (sizes, tilts) over the number of rods, a line for each tilt."""
     tilts = d["nominal_deg"]
     for i, (tilt, colour, form) in enumerate(zip(tilts, shades(len(tilts)), FORMS, strict=False)):
@@ -90,13 +89,13 @@ def _over_count(ax: Axes, d: Data, y: np.ndarray, error: np.ndarray) -> None:
     ax.set_xticks([], minor=True)
 
 
-def _draw_drift(ax: Axes, d: Data) -> None:
+def _draw_drift(ax, d):
     ax.axhspan(1 - NEAR, 1 + NEAR, color="0.9", lw=0)
     _over_count(ax, d, *over_largest(d))
     ax.set(ylabel=r"$c_x$ / largest row's")
 
 
-def _draw_spread(ax: Axes, d: Data) -> None:
+def _draw_spread(ax, d):
     _over_count(ax, d, d["spread_deg"], d["spread_deg_error"])
     ax.axhline(SEPARATED_DEG, color="0.5", lw=0.8, ls=":")
     ax.set(ylabel="spread of tilts (deg)", yscale="log")

@@ -16,7 +16,6 @@ and down, with standard errors over starts; where the two differ, the row rememb
 
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.axes import Axes
 from scipy.stats import mode
 
 from md.sweep import Sweep
@@ -185,7 +184,7 @@ def data(quick: bool = False) -> Data:
     }
 
 
-def _draw_map(ax: Axes, d: Data) -> None:
+def _draw_map(ax, d):
     tilt = d["nominal_deg"][:, None, None]
     gamma = d["gamma"][:, None] + np.linspace(-BESIDE, BESIDE, d["state"].shape[-1])
     tilt, gamma, _ = np.broadcast_arrays(tilt, gamma, d["state"])
@@ -202,7 +201,7 @@ def _draw_map(ax: Axes, d: Data) -> None:
     ax.legend(loc="upper right")
 
 
-def _draw_drift(ax: Axes, d: Data) -> None:
+def _draw_drift(ax, d):
     at = int(np.abs(d["gamma"] - GAMMA).argmin())
     for each, (colour, form) in enumerate(LOOKS):
         for changed in (0, 1):
@@ -213,7 +212,7 @@ def _draw_drift(ax: Axes, d: Data) -> None:
     ax.set(xlabel=r"tilt $\phi$ (deg)", ylabel=r"drift $c_x$ (cm/s)")
 
 
-def _draw_lives(ax: Axes, d: Data) -> None:
+def _draw_lives(ax, d):
     colours = shades(len(d["lives_deg"]))
     for i, tilt in enumerate(d["lives_deg"]):
         ax.step(
@@ -234,7 +233,7 @@ def _draw_lives(ax: Axes, d: Data) -> None:
     ax.legend()
 
 
-def _draw_driven(ax: Axes, d: Data) -> None:
+def _draw_driven(ax, d):
     for way, (colour, form, name) in enumerate(WAYS):
         what = (d[f"driven_{part}"][way] for part in ("deg", "c_x", "c_x_error"))
         points(ax, *what, colour, form=form, label=name)

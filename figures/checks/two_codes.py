@@ -20,7 +20,6 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.axes import Axes
 
 from md.scene import put, read_tables
 from md.sweep import Sweep
@@ -73,7 +72,7 @@ def data(quick: bool = False) -> Data:
     return d
 
 
-def _beside(ax: Axes, d: Data, name: str) -> None:
+def _beside(ax, d, name: str):
     x, there = d["nominal_deg"], (d[f"other_{name}"], d[f"other_{name}_error"])
     points(ax, x, *there, ORANGE, form="s", ms=6, hollow=True, label="program in C")
     points(ax, x, d[name], d[f"{name}_error"], label="this program")

@@ -188,7 +188,7 @@ def panel(ax: Axes, d: Data) -> None:
     ax.legend(**BELOW, title="step")
 
 
-def _draw_runs(ax: Axes, d: Data) -> None:
+def _draw_runs(ax, d):
     wanted = np.geomspace(0.003, 0.3, 60)
     for i in (1, 3, 5):
         time, (colour, label) = [to_reach(d, r / 1.96)[i] for r in wanted], _looks(d)[i]

@@ -16,7 +16,6 @@ from math import cos
 
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.axes import Axes
 
 import md
 from md.cache import kernel
@@ -149,9 +148,7 @@ def data(quick: bool = False) -> Data:
     }
 
 
-def _errors(
-    ax: Axes, x: np.ndarray, error: np.ndarray, colour: str, marker: str, label: str
-) -> None:
+def _errors(ax, x: np.ndarray, error: np.ndarray, colour: str, marker: str, label: str):
     """Draw largest (filled) and median errors over `x`."""
     worst, middle = error
     look = {"color": colour, "lw": 0.8, "ms": 3}
@@ -159,7 +156,7 @@ def _errors(
     ax.plot(x, middle, f"{marker}:", mfc="white", mew=0.7, **look)
 
 
-def _fixed_steps(ax: Axes, d: Data, x: Sequence[np.ndarray]) -> None:
+def _fixed_steps(ax, d, x: Sequence[np.ndarray]):
     """Draw errors of the methods over `x`, one row a method."""
     for i, (method, look) in enumerate(LOOKS.items()):
         label = f"{method.title()}, order {d['order'][i]:.2f}"

@@ -133,7 +133,7 @@ def panel(ax: Axes, d: Data) -> None:
     ax.legend(loc="upper left")
 
 
-def _draw_cores(ax: Axes, d: Data) -> None:
+def _draw_cores(ax, d):
     (rate, error), workers = _throughput(d), d["workers"]
     ends = np.array([0, workers[-1]])
     ax.plot(ends, rate[0] * ends, "--", color="0.55", lw=0.8, label="proportional to cores")

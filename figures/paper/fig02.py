@@ -11,7 +11,6 @@ weighted by the speed of approach, up where positive. The row has no walls and n
 
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.colors import TwoSlopeNorm
 from matplotlib.ticker import MaxNLocator
 
@@ -131,7 +130,7 @@ def data(quick: bool = False) -> Data:
     }
 
 
-def _map(ax: Axes, gamma: np.ndarray, tilt: np.ndarray, kind: np.ndarray) -> None:
+def _map(ax, gamma: np.ndarray, tilt: np.ndarray, kind: np.ndarray):
     """Draw symbols where there is drift forward, none, or reverse."""
     gamma = np.broadcast_to(gamma[:, None], kind.shape)
     looks = {"forward": (1, FORWARD, "o"), "none": (0, "white", "o"), "reverse": (-1, REVERSE, "v")}
@@ -141,7 +140,7 @@ def _map(ax: Axes, gamma: np.ndarray, tilt: np.ndarray, kind: np.ndarray) -> Non
     ax.set(ylabel=r"tilt $\phi$ (deg)", ylim=(0, 66), xlim=(0.95, 4.1))
 
 
-def _near_onset(ax: Axes, d: Data, prefix: str, looks: dict[int, tuple[str, str]]) -> None:
+def _near_onset(ax, d, prefix: str, looks: dict[int, tuple[str, str]]):
     """Draw drifts below the onset, linear and logarithmic; `looks`: colour and name by column."""
     early = d["gamma"] <= ONSET
     for i, (colour, label) in looks.items():
@@ -154,7 +153,7 @@ def _near_onset(ax: Axes, d: Data, prefix: str, looks: dict[int, tuple[str, str]
     ax.legend(loc="upper left", ncols=2, handlelength=1.2)
 
 
-def _rows(axes: np.ndarray, d: Data) -> None:
+def _rows(axes, d):
     a, b, c = axes
     top = np.nanmax(np.abs(d["lone_c_x"]))
     mesh = a.pcolormesh(
@@ -186,7 +185,7 @@ def _rows(axes: np.ndarray, d: Data) -> None:
     _near_onset(c, d, "", {i: looks[i] for i in np.flatnonzero(d["nominal_deg"] >= 20)})
 
 
-def _annuli(axes: np.ndarray, d: Data) -> None:
+def _annuli(axes, d):
     a, b, c = axes
     size = ARROW_DEG * np.clip(d["ring_V_z"], -1, 1)
     gamma = np.broadcast_to(d["gamma"][:, None], size.shape)

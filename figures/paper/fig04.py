@@ -15,7 +15,6 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.axes import Axes
 
 from md.sweep import Sweep
 
@@ -150,7 +149,7 @@ def data(quick: bool = False, assumed: bool = False, scene: str | None = None) -
     return found
 
 
-def _over_tilt(ax: Axes, d: Data) -> None:
+def _over_tilt(ax, d):
     curve(ax, d, "still_tilt", "still_c_x", BLACK, "rods do not roll", both=True)
     curve(ax, d, "rolling_tilt", "rolling_c_x", ORANGE, "rods roll", both=True, hollow=True)
     if "plane_c_x" in d:
@@ -165,7 +164,7 @@ def _over_tilt(ax: Axes, d: Data) -> None:
     ax.legend()
 
 
-def _over_gamma(ax: Axes, d: Data) -> None:
+def _over_gamma(ax, d):
     at = int(np.abs(d["gamma"] - GAMMA).argmin())
     for i, colour in enumerate(shades(len(d["few"]))[::-1]):
         label = rf"$N={d['few'][i]}$, {d['gamma_tilt'][at, i]:.0f}° at {d['gamma'][at]:g}"
@@ -177,7 +176,7 @@ def _over_gamma(ax: Axes, d: Data) -> None:
     ax.legend(loc="upper left")
 
 
-def _over_friction(ax: Axes, d: Data, name: str) -> None:
+def _over_friction(ax, d, name: str):
     curve(ax, d, name, f"{name}_c_x")
     beside = ax.twinx()
     curve(beside, d, name, f"{name}_tilt", ANOTHER, form="^--", hollow=True)

@@ -11,7 +11,6 @@ tilts around the annulus, over the rods in order of azimuth.
 
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 
 from md.sweep import Sweep
@@ -67,7 +66,7 @@ def data(quick: bool = False, assumed: bool = False, scene: str | None = None) -
     return found
 
 
-def _from_above(ax: Axes, d: Data, rods: np.ndarray, norm: plt.Normalize) -> LineCollection:
+def _from_above(ax, d, rods: np.ndarray, norm: plt.Normalize) -> LineCollection:
     for radius in d["radii"]:
         ax.add_patch(plt.Circle((0, 0), radius, fill=False, color="0.5", lw=0.7))
     up = np.sign(rods[:, 5:6]) * d["half"] * rods[:, 3:5]

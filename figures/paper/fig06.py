@@ -11,7 +11,6 @@ is hit again at once does not fall in between.
 
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.axes import Axes
 
 from impact import drift
 from md import Scene
@@ -68,7 +67,7 @@ def _in_cm(found: Data, scene: Scene) -> Data:
     }
 
 
-def _pair(ax: Axes, d: Data, name: str, label: str, sign: int = 1) -> None:
+def _pair(ax, d, name: str, label: str, sign: int = 1):
     """Draw a velocity before (black) and after (orange), of touches and of landings."""
     before = "before", BLACK, sign, f"-{label}" if sign < 0 else label
     for side, colour, turn, symbol in (before, ("after", ORANGE, 1, f"{label}'")):

@@ -52,7 +52,7 @@ def data(quick: bool = False, friction: float = 0.3, restitution: float = 0.65) 
     }
 
 
-def _curves(ax: plt.Axes, d: Data) -> None:
+def _curves(ax, d):
     tilt_deg = np.degrees(d["tilt"])
     drifts = np.isfinite(d["c_x"]).any()  # without friction nothing says how fast
     ax.plot(tilt_deg, d["c_x"], color=SIMULATED, label=r"drift $c_x'$" if drifts else None)
@@ -77,7 +77,7 @@ def critical_deg(d: Data) -> np.ndarray:
     return np.degrees(d["critical_tilt"][np.isfinite(d["critical_tilt"])])
 
 
-def _end(ax: plt.Axes, d: Data, upper: float) -> None:
+def _end(ax, d, upper: float):
     """Inset: the contact sticks again beyond the upper critical tilt, half way to the end."""
     tilt_deg = np.degrees(d["tilt"])
     inset = ax.inset_axes((0.42, 0.42, 0.45, 0.5))

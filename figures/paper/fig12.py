@@ -13,7 +13,6 @@ from functools import partial
 
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.axes import Axes
 
 import md
 from impact import Collision
@@ -101,7 +100,7 @@ def data(
     }
 
 
-def _draw_velocities(ax: Axes, d: Data, i: int) -> None:
+def _draw_velocities(ax, d, i: int):
     deg, line_deg = np.degrees(d["tilt"]), np.degrees(d["line_tilt"])
     edges_deg, upright = np.degrees(d["line_edges"]), ax.get_xaxis_transform()
     ax.pcolormesh(
@@ -125,7 +124,7 @@ def _draw_velocities(ax: Axes, d: Data, i: int) -> None:
     tilt_axis(ax)
 
 
-def _draw_restitution(ax: Axes, d: Data) -> None:
+def _draw_restitution(ax, d):
     wide = 2.4, 1, 1.2  # the first two nearly coincide
     for (law, words), e, lw in zip(LAW_WORDS.items(), d["restitution"], wide, strict=True):
         ax.plot(np.degrees(d["tilt"]), e, color=CONTACT_COLOURS[law], lw=lw, label=words)
@@ -136,7 +135,7 @@ def _draw_restitution(ax: Axes, d: Data) -> None:
     tilt_axis(ax)
 
 
-def _draw_off(ax: Axes, d: Data) -> None:
+def _draw_off(ax, d):
     deg = np.degrees(d["tilt"])
     for (law, colour), off in zip(LAW_COLOURS.items(), d["off"], strict=True):
         ax.plot(deg, off, "--", color=colour, label=rf"{law.title()}, $\epsilon={d['epsilon']:g}$")

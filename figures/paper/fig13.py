@@ -12,7 +12,6 @@ hardly drifts; those thrown at the start do not.
 
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.axes import Axes
 
 from impact import drift, spherocylinder, thin_rod
 from md.sweep import Sweep
@@ -130,7 +129,7 @@ def _simulated(quick: bool) -> Data:
 MEASURED: Look = {"color": RIGID, "marker": "s", "ms": 2.5, "lw": 0.8}  # theory, V_z as measured
 
 
-def _over_tilt(ax: Axes, d: Data) -> None:
+def _over_tilt(ax, d):
     fine_deg, half = np.degrees(d["fine"]), d["speed"] / 2
     ax.plot(fine_deg, half * d["thin"], color=THEORY, label=r"theory, thin, $V_0/2$")
     ax.plot(fine_deg, half * d["thick"], "--", color=ORANGE, label=r"theory, $l$, $V_0/2$")
@@ -146,7 +145,7 @@ def _over_tilt(ax: Axes, d: Data) -> None:
     ax.set_ylim(-0.5, 1.1 * max(measured.max(), 15))
 
 
-def _over_gamma(ax: Axes, d: Data) -> None:
+def _over_gamma(ax, d):
     ax.plot(d["gamma"], d["thin_at_box"] * d["speed_b"] / 2, color=THEORY)
     ax.plot(d["gamma"], d["thick_at_box"] * d["speed_b"] / 2, "--", color=ORANGE)
     ax.set(xlabel=r"acceleration $\Gamma$", xlim=(1, None))
@@ -169,7 +168,7 @@ def _over_gamma(ax: Axes, d: Data) -> None:
     inset.set_title("tilt (deg)", pad=2)
 
 
-def _over_length(ax: Axes, d: Data) -> None:
+def _over_length(ax, d):
     ax.plot(d["fine_length"], d["thick_of_length"] * d["speed_c"] / 2, "--", color=ORANGE)
     ax.set(xlabel=r"length $l/d$", xlim=(0.5, None))
     if "c_c_x" not in d:

@@ -103,7 +103,7 @@ def data(
     }
 
 
-def _over_tilt(axes, d: Data) -> None:
+def _over_tilt(axes, d):
     d = {**d, "deg": np.degrees(d["tilt"])}
     again, (a, b, c) = np.degrees(d["again_tilt"]), axes
     curve(a, d, "deg", "tilt_alpha", SKY, "every landing alike", ms=2)
@@ -141,7 +141,7 @@ def _over_tilt(axes, d: Data) -> None:
     c.legend(loc="upper right")
 
 
-def _over_gamma(axes, d: Data) -> None:
+def _over_gamma(axes, d):
     a, b, c = axes
     for i, colour in enumerate(shades(len(d["gamma_tilt"]))):
         label = rf"$\phi={np.degrees(d['gamma_tilt'][i]):.0f}$°"

@@ -18,7 +18,6 @@ thin rod, 4/3.
 
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.axes import Axes
 
 from derivations import function
 from impact import (
@@ -113,7 +112,7 @@ def data(
     }
 
 
-def _density(ax: Axes, d: Data) -> None:
+def _density(ax, d):
     looks = zip(FALLS, d["density"], shades(len(FALLS)), FORMS, strict=True)
     for q, density, colour, form in looks:
         ax.plot(np.degrees(d["phase"]), density, form, color=colour, label=f"{q:g}")
@@ -122,7 +121,7 @@ def _density(ax: Axes, d: Data) -> None:
     ax.legend(title=r"fall speed $q=|c_z|/V_0$", ncols=3, loc="upper center")
 
 
-def _alpha(ax: Axes, d: Data) -> None:
+def _alpha(ax, d):
     slow = d["fall"] <= 1
     ax.plot(d["fall"][slow], d["alpha"][slow], "--", color=BLUE, label="slower than the plate")
     ax.plot(d["fall"][~slow], d["alpha"][~slow], color=BLACK, label="faster, $1/(2q)$")
@@ -132,7 +131,7 @@ def _alpha(ax: Axes, d: Data) -> None:
     ax.legend()
 
 
-def _closure(ax: Axes, d: Data) -> None:
+def _closure(ax, d):
     tilt_deg, half = np.degrees(d["tilt"]), np.degrees(d["half"])
     for row, colour in enumerate(shades(len(half))):
         place = f", 1/2 at {half[row]:.1f}°" if half[row] >= 0 else ""
@@ -145,7 +144,7 @@ def _closure(ax: Axes, d: Data) -> None:
     ax.legend(title=r"restitution $\epsilon$", loc="lower right")
 
 
-def _regimes(ax: Axes, d: Data, name: str, frictions: int) -> None:
+def _regimes(ax, d, name: str, frictions: int):
     """Draw slip-stick in black; in colour the smallest frictions where they reverse."""
     tilt_deg = np.degrees(d["tilt"])
     ax.plot(tilt_deg, d[name][-1], color=BLACK, label="slip-stick")
@@ -156,18 +155,18 @@ def _regimes(ax: Axes, d: Data, name: str, frictions: int) -> None:
     ax.legend()
 
 
-def _landings(ax: Axes, d: Data) -> None:
+def _landings(ax, d):
     _regimes(ax, d, "landings", 2)
     ax.set(ylabel="landings to fall by $e$", ylim=(0, 11))
 
 
-def _cost(ax: Axes, d: Data) -> None:
+def _cost(ax, d):
     _regimes(ax, d, "cost", 3)
     ax.scatter(np.degrees(d["best_tilt"]), d["best_cost"], s=16, c=BLACK, zorder=3)
     ax.set(ylabel="work / (weight × distance)", yscale="log", ylim=(0.2, 100))
 
 
-def _painleve(ax: Axes, d: Data) -> None:
+def _painleve(ax, d):
     names = "thin rod", f"round, $l={d['length']:g}d$", "round, $l=3d$", "flat ends, $l=8d$"
     looks = zip(names, ("thin", "round", "round", "flat"), ("-", "-", "-.", "-"), strict=True)
     for friction, (name, kind, form) in zip(d["painleve"], looks, strict=True):

@@ -15,7 +15,6 @@ corners touch and push each other's way, so that a rod that stands on its end do
 
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.axes import Axes
 from scipy.stats import sem
 
 import md
@@ -119,14 +118,14 @@ def _limit(d: Data) -> float:
     return 1.45 * min(drifts[np.isfinite(drifts)].max(initial=0.1), HIGHEST)
 
 
-def _cut(ax: Axes, tilt: np.ndarray, y: np.ndarray, form: str, colour: str) -> None:
+def _cut(ax, tilt: np.ndarray, y: np.ndarray, form: str, colour: str):
     """Draw a curve over tilt that is cut at 0, where a flat end's contact jumps."""
     negative = np.signbit(tilt)
     for side in (negative, ~negative):
         ax.plot(np.degrees(tilt[side]), y[side], form, color=colour)
 
 
-def _over_tilt(ax: Axes, d: Data) -> None:
+def _over_tilt(ax, d):
     limit, threshold_deg = _limit(d), np.degrees(d["flat_threshold"])
     for kind, line in LINES.items():
         _cut(ax, d["tilt"], d[kind], line, SHAPE_COLOURS[kind])
@@ -147,7 +146,7 @@ def _over_tilt(ax: Axes, d: Data) -> None:
     tilt_axis(ax, -20, 60, 10)
 
 
-def _over_length(ax: Axes, d: Data) -> None:
+def _over_length(ax, d):
     limit = _limit(d)
     for kind, line in LINES.items():
         y, label = d[f"{kind}_by_length"], SHAPES[kind]
@@ -161,7 +160,7 @@ def _over_length(ax: Axes, d: Data) -> None:
     ax.legend(loc="lower right")
 
 
-def _over_bounces(ax: Axes, d: Data) -> None:
+def _over_bounces(ax, d):
     for kind in ("round", "flat"):
         drift, error = d[f"{kind}_bounced"], d[f"{kind}_bounced_error"]
         points(ax, np.degrees(d["bounced_tilt"]), drift, error, SHAPE_COLOURS[kind])
@@ -172,7 +171,7 @@ def _over_bounces(ax: Axes, d: Data) -> None:
     tilt_axis(ax, 0, 60, 10)
 
 
-def _one(ax: Axes, d: Data) -> None:
+def _one(ax, d):
     _cut(ax, d["rigid_tilt"], d["rigid"], "-", FLAT)
     ax.plot([], [], color=FLAT, label="the map")
     ax.plot(np.degrees(d["soft_tilt"]), d["soft"], "o", color=BLACK, ms=2.5, label="soft impact")
