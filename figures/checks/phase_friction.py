@@ -24,6 +24,7 @@ from ..lib.runs import (
     LENGTH,
     ROW,
     means,
+    nearest,
     planned,
     plate_speed_cm_s,
     starts,
@@ -99,7 +100,7 @@ def draw(d: Data) -> plt.Figure:
         ax.tick_params(top=False, right=False)
     a.set_ylabel(r"restitution $\epsilon$")
     figure.colorbar(mesh, ax=[a, b], label=r"$c_x$ (cm/s)", pad=0.02)
-    cut = int(np.abs(d["restitution"] - OF_LAW).argmin())
+    cut = nearest(d["restitution"], OF_LAW)
     curve(c, d, "friction", "c_x", label="simulated", at=(..., cut), form="o")
     c.plot(d["fine_friction"], d["fine_theory"], color=ORANGE, label=r"theory, $V_0/2$")
     scaled = d["theory"][:, cut] * 2 * d["V_z"][:, cut]

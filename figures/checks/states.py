@@ -27,6 +27,7 @@ from ..lib.runs import (
     LENGTH,
     boxes,
     gathered,
+    nearest,
     over_seeds,
     planned,
     starts,
@@ -202,7 +203,7 @@ def _draw_map(ax, d):
 
 
 def _draw_drift(ax, d):
-    at = int(np.abs(d["gamma"] - GAMMA).argmin())
+    at = nearest(d["gamma"], GAMMA)
     for each, (colour, form) in enumerate(LOOKS):
         for changed in (0, 1):
             some = (d["state"][:, at] == each) & (d["changed"][:, at] == changed)

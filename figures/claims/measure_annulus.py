@@ -104,7 +104,7 @@ def walls(d: Data) -> Numbers:
 def zigzag(d: Data) -> Numbers:
     low, order = d["mean"] <= UPRIGHT_DEG, d["zigzag"]
     best = int(np.argmax(np.where(low, order, -np.inf)))
-    at = int(np.argmin(np.abs(d["mean"] - REGION_TILT_DEG)))
+    at = runs.nearest(d["mean"], REGION_TILT_DEG)
 
     def first(values):
         """Tilt at which the values first become negative, between two numbers of rods."""

@@ -67,7 +67,7 @@ def forward(data: Evidence) -> Numbers:
 def _cut(data: Evidence) -> dict[str, np.ndarray]:
     """Drift [cm/s] of the row over friction, at the restitution of the other figures."""
     d = data.figure("phase_friction")
-    at = int(np.abs(d["restitution"] - rows.RESTITUTION).argmin())
+    at = rows.nearest(d["restitution"], rows.RESTITUTION)
     return {"friction": d["friction"], **{name: d[name][:, at] for name in ("c_x", "c_x_error")}}
 
 
@@ -120,7 +120,7 @@ def soft_impact(d: Data) -> Numbers:
 def theory(data: Evidence) -> Numbers:
     d, of, size = (data.figure(name) for name in ("fig13", "closure", "row_size"))
     line = d["thin"] * d["speed"] / 2
-    steps, usual = list(closure.STEPS), int(np.argmin(np.abs(size["count"] - rows.COUNT)))
+    steps, usual = list(closure.STEPS), rows.nearest(size["count"], rows.COUNT)
     return {
         **{f"left_{name}": entry(of, "left", steps.index(name)) for name in LEFT},
         **{
@@ -324,7 +324,7 @@ def flat_end(d: Data) -> Numbers:
     shapes = flat_ended_rod, spherocylinder
     flat, whole = (drift(shape(at, length), **rows.SETTING).c_x for shape in shapes)
     beyond, below = tilt > edge, (tilt > 0) & (tilt < edge)
-    at_28, ahead = int(np.argmin(np.abs(d["bounced_tilt"] - at))), tilt > 0
+    at_28, ahead = rows.nearest(d["bounced_tilt"], at), tilt > 0
     bounced = np.degrees(d["bounced_tilt"])
     return {
         "threshold": Number(crossing(np.degrees(tilt[ahead]), -d["flat"][ahead], 0)),

@@ -23,7 +23,7 @@ from md.measures import standard_error
 from md.scene import from_tables
 from md.sweep import Point, Sweep
 
-from ..lib.runs import ROW, computed, gathered, measured_by
+from ..lib.runs import ROW, computed, gathered, measured_by, nearest
 from ..lib.style import BLACK, BLUE, GREEN, RED, Data, Look, log_log, note, painted, shades, style
 from ..lib.timing import seconds_per_period
 from .accuracy_cost_impact import PAPER_STEP
@@ -179,7 +179,7 @@ def panel(ax: Axes, d: Data) -> None:
         look = {"lw": 1.4, "ls": "-"} if size > least else {"lw": 0.8, "ls": ":"}
         ax.plot([right, 3 * right], [max(size, least)] * 2, color=colour, **look)
     time = np.array([d["lengths"][0] * d["seconds"][:-1].min(), right])
-    middle = int(np.abs(d["per_contact"] - 25).argmin())
+    middle = nearest(d["per_contact"], 25)
     guide = 0.5 * d["noise"][middle] * np.sqrt(d["seconds"][middle] / time)
     ax.plot(time, guide, color="0.5", lw=0.8, ls="--", label="time$^{-1/2}$")
     ax.plot(to_reach(d, 0.01)[-1], 0.01, "D", color=BLACK, ms=5, mfc="white", mew=1.2)

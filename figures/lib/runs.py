@@ -236,6 +236,11 @@ def larger_error(values: np.ndarray, errors: np.ndarray) -> tuple[np.ndarray, np
     return mean, np.fmax(between, np.sqrt(squares / np.isfinite(errors).sum(axis=-1)))
 
 
+def nearest(values: np.ndarray, value: float) -> int:
+    """Index of the value on a grid that is nearest to another one."""
+    return int(np.abs(values - value).argmin())
+
+
 def with_error(name: str, mean: np.ndarray, error: np.ndarray) -> dict[str, np.ndarray]:
     """A mean by its name, and its standard error as `name_error`."""
     return {name: mean, f"{name}_error": error}

@@ -30,6 +30,7 @@ from ..lib.runs import (
     annulus_of,
     boxes,
     drift_and_tilt,
+    nearest,
     planned,
     starts,
 )
@@ -165,7 +166,7 @@ def _over_tilt(ax, d):
 
 
 def _over_gamma(ax, d):
-    at = int(np.abs(d["gamma"] - GAMMA).argmin())
+    at = nearest(d["gamma"], GAMMA)
     for i, colour in enumerate(shades(len(d["few"]))[::-1]):
         label = rf"$N={d['few'][i]}$, {d['gamma_tilt'][at, i]:.0f}° at {d['gamma'][at]:g}"
         curve(ax, d, "gamma", "gamma_c_x", colour, label, at=(..., i))
