@@ -94,6 +94,10 @@ def data(
     lengths = runs["length"].values("rods.length")
     fine, fine_length = np.radians(np.linspace(0.5, 89.5, 357)), np.linspace(1, lengths[-1], 200)
     fixed_tilt = np.arccos(COUNT / BOX_OF_LENGTHS)
+
+    def c_x(rod):
+        return drift(rod, **setting).c_x  # over V_z
+
     return {
         "tilt_deg": tilt_deg,
         "gamma": gamma,
@@ -104,14 +108,14 @@ def data(
         "speed_b": plate_speed_cm_s(gamma),
         "speed_c": plate_speed_cm_s(GAMMA_OF_LENGTHS),
         "fine": fine,
-        "thin": drift(thin_rod(fine), **setting).c_x,  # over V_z
-        "thick": drift(paper_rod(fine, length), **setting).c_x,
-        "thick_at_tilts": drift(paper_rod(np.radians(tilt_deg), length), **setting).c_x,
-        "thick_at_box": drift(paper_rod(BOX_TILT, length), **setting).c_x,
-        "thin_at_box": drift(thin_rod(BOX_TILT), **setting).c_x,
+        "thin": c_x(thin_rod(fine)),
+        "thick": c_x(paper_rod(fine, length)),
+        "thick_at_tilts": c_x(paper_rod(np.radians(tilt_deg), length)),
+        "thick_at_box": c_x(paper_rod(BOX_TILT, length)),
+        "thin_at_box": c_x(thin_rod(BOX_TILT)),
         "fine_length": fine_length,
-        "thick_of_length": drift(spherocylinder(fixed_tilt, fine_length), **setting).c_x,
-        "thick_at_lengths": drift(spherocylinder(fixed_tilt, lengths), **setting).c_x,
+        "thick_of_length": c_x(spherocylinder(fixed_tilt, fine_length)),
+        "thick_at_lengths": c_x(spherocylinder(fixed_tilt, lengths)),
     }
 
 
