@@ -329,7 +329,7 @@ def test_the_command_judges_claims(tmp_path, monkeypatch):
 
     monkeypatch.setattr(judge, "measure", noted)
     with tiny() as patch:
-        patch.setattr(measure_rows, "gear_from_leapfrog", lambda: np.eye(2))  # another test has it
+        patch.setattr(measure_rows, "gear_from_leapfrog", lambda: (0, 1))  # another test has it
         patch.setattr("figures.lib.data.load", lambda name: Mock(data=lambda quick: data(name)))
         enter("figures claims --quick --out", tmp_path, "--store", runs.STORE)
     assert names_in(tmp_path) == {"alpha.npz", "fig02.npz", "claims.json", "claims.md"}

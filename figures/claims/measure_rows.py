@@ -153,7 +153,7 @@ def over_length(d: Data) -> Numbers:
 
 @measures("S19")
 def gear(_: Evidence) -> Numbers:
-    (_, coulomb), (_, printed) = gear_from_leapfrog()
+    coulomb, printed = gear_from_leapfrog()
     return {"coulomb": Number(coulomb), "printed": Number(printed)}
 
 
