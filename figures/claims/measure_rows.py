@@ -7,8 +7,9 @@ paper's row over tilt tells is in `over_tilt`.
 import numpy as np
 from scipy.optimize import minimize_scalar
 
+import impact
 import md
-from impact import collide, drift, flat_ended_rod, spherocylinder
+from impact import drift, flat_ended_rod, spherocylinder
 from md.sweep import Sweep
 
 from ..checks import appendix_a, closure
@@ -285,19 +286,6 @@ def frequency(data: Evidence) -> Numbers:
     }
 
 
-def _landings_of_closure(rod, friction: float, landings: int) -> float:
-    """Landings after which the closure, impact by impact, is e times as near its drift."""
-    setting = {"friction": friction, "restitution": rows.RESTITUTION, "plate_velocity": 1.0}
-    aim = drift(rod, **setting)
-    c_x, c_z, left = aim.c_x / 2, aim.c_z, []
-    for _ in range(landings):
-        hit = collide(c_x, -c_z, geometry=rod, **setting)
-        c_x, c_z = hit.c_x, hit.c_z
-        left.append(aim.c_x - c_x)
-    half = landings // 2
-    return (landings - 1 - half) / np.log(left[half] / left[-1])
-
-
 @measures("S26")
 def without_friction(data: Evidence) -> Numbers:
     d, least = _slippery(data), SLIPPERY[0]
@@ -306,13 +294,14 @@ def without_friction(data: Evidence) -> Numbers:
         drift(rod, friction=mu, restitution=rows.RESTITUTION).c_x for mu in (1e-9, least, np.inf)
     )
     speed, needed = rows.plate_speed_cm_s(), rod.X * rod.Z / (2 * least * rod.k**2)
+    landings = impact.relaxation(rod, friction=least, restitution=rows.RESTITUTION)
     return {
         "stationary": resampled(d, lambda d: d["stationary"][0] / d["largest"]),
         "theory": resampled(d, lambda d: d["stationary"][0] / (d["V_z"][0] * speed * middle)),
         "twice": resampled(d, lambda d: d["stationary"][1] / d["stationary"][0]),
         "relaxation": resampled(d, lambda d: d["relaxation"][0] * d["often"][0] / needed),
         "faster": resampled(d, lambda d: d["relaxation"][0] / d["relaxation"][1]),
-        "rate": Number(_landings_of_closure(rod, least, int(needed)) / needed),
+        "rate": Number(landings / needed),
         "limit": Number(low / high),
     }
 
