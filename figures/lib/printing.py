@@ -1,5 +1,6 @@
 """Numbers of figures as text, and as values for JSON."""
 
+import json
 from collections.abc import Mapping
 from typing import Any
 
@@ -55,9 +56,5 @@ def printed(d: Mapping[str, Any]) -> str:
 
 def plain(value: Any) -> Any:
     """A value for JSON: arrays as lists, null for nan and inf."""
-    value = value.tolist() if isinstance(value, np.ndarray | np.generic) else value
-    if isinstance(value, dict):
-        return {key: plain(inner) for key, inner in value.items()}
-    if isinstance(value, list | tuple):
-        return [plain(inner) for inner in value]
-    return None if isinstance(value, float) and not np.isfinite(value) else value
+    text = json.dumps(value, default=lambda array: array.tolist())
+    return json.loads(text, parse_constant=lambda _: None)
