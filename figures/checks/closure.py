@@ -67,8 +67,10 @@ from ..lib.style import (
 from .census import observed
 
 ENOUGH = 30  # touches in which nobody pushes, for the mean restitution over them
-CLOSURE_TILTS_DEG = (9, 12, 15, 18, 21, 24, 27, 30, 34, 40, 45, 50, 60)
-QUICK_TILTS_DEG = (9, 15, 21, 30, 45, 60)
+CLOSURE_TILTS_DEG = {
+    True: (9, 15, 21, 30, 45, 60),
+    False: (9, 12, 15, 18, 21, 24, 27, 30, 34, 40, 45, 50, 60),
+}
 ASSUMED = {"V_z": 0.5, "turned": 1.0, "gain": 0.0, "spin": 0.0, "restitution": RESTITUTION}
 FIRST = 2  # of `STEPS` that replaces one of `ASSUMED`
 STEPS = {  # in order; each keeps what the ones before replaced
@@ -174,8 +176,7 @@ def balanced(scene: md.Scene, periods: int) -> dict[str, Any]:
 
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
     """Sweep of the row over tilt that measures touch by touch."""
-    tilts = QUICK_TILTS_DEG if quick else CLOSURE_TILTS_DEG
-    axes = [{"box.length": boxes(tilts)}, starts(2 if quick else 4)]
+    axes = [{"box.length": boxes(CLOSURE_TILTS_DEG[quick])}, starts(2 if quick else 4)]
     return {"tilt": planned(axes, periods_of(quick), measure=balanced)}
 
 
@@ -246,10 +247,9 @@ def data(quick: bool = False) -> Data:
     steps, single = np.split(scene.cm_per_s * drifts(tilt, speed, measured), [len(STEPS)])
     landed = scene.cm_per_s * drifts(tilt, speed, closures_of(of, LANDED))[: len(STEPS)]
 
-    nominal = np.degrees(np.arccos(scene.rods.count / sweep.values("box.length")))
     found: Data = drift_and_tilt(sweep)
     units = {"V_z": speed, "gain": speed, "spin": 2 * speed / LENGTH}
-    larger = nominal > SMALL_DEG
+    larger = np.array(CLOSURE_TILTS_DEG[quick]) > SMALL_DEG
     for name, values in {
         **{name: array / units.get(name, 1.0) for name, array in measured.items()},
         "step": steps,
