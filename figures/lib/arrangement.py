@@ -59,6 +59,6 @@ def followed(scene: Scene, periods: int) -> dict[str, Any]:
             running.march(min(period, periods), lambda: False)
             seen.append(arrangement(running.engine.rods))
         found = running.result(finished=True)
-    names = "c_x_cm_s", "c_x_stderr", "tilt_deg", "tilt_stderr_deg"
+    names = "c_x_cm_s", "c_x_stderr_cm_s", "tilt_deg", "tilt_stderr_deg"
     of_run = {name: getattr(found, name) for name in names}
     return of_run | {"series": seen, "rods": found.rods[:, :6].tolist()}

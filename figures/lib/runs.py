@@ -254,15 +254,14 @@ def means(sweep: Sweep, names: Mapping[str, str]) -> dict[str, np.ndarray]:
     return found
 
 
-DRIFT_AND_TILT = "c_x_cm_s", "c_x_stderr", "tilt_deg", "tilt_stderr_deg"  # of a run
+DRIFT_AND_TILT = "c_x_cm_s", "c_x_stderr_cm_s", "tilt_deg", "tilt_stderr_deg"  # of a run
 
 
 def drift_and_tilt(sweep: Sweep, prefix: str = "") -> dict[str, np.ndarray]:
     """Drift `c_x` [cm/s] and `tilt` [deg] of a sweep, with `larger_error`."""
     c_x, c_x_in, tilt, tilt_in = gathered(sweep, *DRIFT_AND_TILT)
-    inside = c_x_in * sweep.points[0].scene.cm_per_s
     return {
-        **with_error(f"{prefix}c_x", *larger_error(c_x, inside)),
+        **with_error(f"{prefix}c_x", *larger_error(c_x, c_x_in)),
         **with_error(f"{prefix}tilt", *larger_error(tilt, tilt_in)),
     }
 
