@@ -1,6 +1,7 @@
 """Numbers of the claims on the annulus, on the experiment's geometry (E1) and on Fig. 2 (E2).
 
-A function that `measures` a claim returns numbers by the keys that claims.toml gives them.
+A function that `measures` a claim takes a figure's data and returns `Numbers` by the keys that
+claims.toml gives them.
 """
 
 from math import cos, hypot, pi, sin
@@ -15,7 +16,6 @@ from md.sweep import Sweep
 
 from ..lib import runs
 from ..lib.arrangement import MORE_DEG
-from ..lib.style import Data
 from ..paper import fig02, fig04
 from .uncertainty import (
     Number,
@@ -50,7 +50,7 @@ def _shape(d: dict, name: str, key: str) -> Number:
 
 
 @measures("S4", "fig04")
-def drift_over_tilt(d: Data) -> Numbers:
+def drift_over_tilt(d):
     keys = "bend", "slope", "early", "late", "dip", "end"
     more = {"narrow": ("narrow", "end"), "rest_dip": ("rest", "dip"), "rest_late": ("rest", "late")}
     return {
@@ -74,7 +74,7 @@ def begins(d: dict, name: str) -> Numbers:
 
 
 @measures("S5", "fig04")
-def drift_over_gamma(d: Data) -> Numbers:
+def drift_over_gamma(d):
     gamma = d["gamma"]
     far, at_rest = gamma >= 2, "rest_gamma_c_x" in d
 
@@ -91,7 +91,7 @@ def drift_over_gamma(d: Data) -> Numbers:
 
 
 @measures("S6", "fig04")
-def walls(d: Data) -> Numbers:
+def walls(d):
     rough = d["wall"] > 0
     return {
         "rise": lambda d: exponents(d["wall"][rough], d["wall_c_x"][rough]).max(),
@@ -101,7 +101,7 @@ def walls(d: Data) -> Numbers:
 
 
 @measures("S8", "fig05")
-def zigzag(d: Data) -> Numbers:
+def zigzag(d):
     low, order = d["mean"] <= UPRIGHT_DEG, d["zigzag"]
     best = int(np.argmax(np.where(low, order, -np.inf)))
     at = runs.nearest(d["mean"], REGION_TILT_DEG)
@@ -128,7 +128,7 @@ def zigzag(d: Data) -> Numbers:
 
 
 @measures("S18", "fig04")
-def plane_to_annulus(d: Data) -> Numbers:
+def plane_to_annulus(d):
     plane_tilt, tilt, smooth_tilt = d["plane_tilt"], d["still_tilt"], d["wall_tilt"][0]
     low, high = plane_tilt.min(), min(plane_tilt.max(), 45)
     inside = (tilt >= max(low, 10)) & (tilt <= high)
@@ -145,7 +145,7 @@ def plane_to_annulus(d: Data) -> Numbers:
 
 
 @measures("S20", "fig04")
-def rolling(d: Data) -> Numbers:
+def rolling(d):
     alike = np.isin(d["count"], d["rolling"])
     tilt = d["still_tilt"][alike]
     between = (tilt > fig04.MAXIMA_DEG[0]) & (tilt < fig04.MAXIMA_DEG[1])
@@ -192,7 +192,7 @@ def largest_tilt_of_flat(gap: Annulus, length: float) -> float:
 
 
 @measures("E1", "fig04")
-def geometry(d: Data) -> Numbers:
+def geometry(d):
     scene = runs.ANNULUS_SCENE
     gap, length = scene.annulus, scene.rods.length
     return {
@@ -204,7 +204,7 @@ def geometry(d: Data) -> Numbers:
 
 
 @measures("E2", "fig02")
-def map_of_drift(d: Data) -> Numbers:
+def map_of_drift(d):
     gamma, kind = d["gamma"], d["kind"]
     row, annulus = reverse_drift(d), reverse_drift(d, "ring_")
     back = (kind == -1).any(axis=1)

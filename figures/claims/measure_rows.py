@@ -1,6 +1,7 @@
 """Numbers of the claims on one impact and on plane rows, and of E3, from the figures' own data.
 
-A function that `measures` a claim returns numbers by the keys that claims.toml gives them. What the
+A function that `measures` a claim takes a figure's data, `d`, or all evidence, `data`, and returns
+`Numbers` by the keys that claims.toml gives them. What the
 paper's row over tilt tells is in `over_tilt`.
 """
 
@@ -16,7 +17,6 @@ from ..checks import appendix_a, closure
 from ..cost.accuracy_cost_impact import gear_from_leapfrog
 from ..lib import runs as rows
 from ..lib import soft_impacts as soft
-from ..lib.style import Data
 from ..paper import fig12, fig13
 from . import over_tilt
 from .evidence import Evidence, Whole
@@ -24,7 +24,6 @@ from .measure_annulus import begins, reverse_drift
 from .over_tilt import CLEAR
 from .uncertainty import (
     Number,
-    Numbers,
     bend,
     count,
     crossing,
@@ -49,7 +48,7 @@ def over(sweep: Sweep, **names: str) -> dict[str, np.ndarray]:
 
 
 @measures("S1", "appendix_a")
-def restitution(d: Data) -> Numbers:
+def restitution(d):
     e, step = d["restitution"][0, 0, 0], float(d["step_error"])
     nearest = appendix_a.miss(d["restitution"]).min()
     found = {"mean": e.mean(), "spread": np.ptp(e), "head_on": e[0], "nearest": nearest}
@@ -57,7 +56,7 @@ def restitution(d: Data) -> Numbers:
 
 
 @measures("S3")
-def forward(data: Evidence) -> Numbers:
+def forward(data):
     grid = data.figure("fig02")
     return {
         "forward": count(over_tilt.NUMBERS["S3.forward"](data.over_tilt)),  # not resampled
@@ -73,7 +72,7 @@ def _cut(data: Evidence) -> dict[str, np.ndarray]:
 
 
 @measures("S7")
-def friction(data: Evidence) -> Numbers:
+def friction(data):
     d, annulus = _cut(data), data.figure("fig04")
     return {
         "ring_change": resampled(annulus, lambda d: exponents(d["plate"], d["plate_c_x"])[-1]),
@@ -85,7 +84,7 @@ def friction(data: Evidence) -> Numbers:
 
 
 @measures("S9", "fig13")
-def over_gamma(d: Data) -> Numbers:
+def over_gamma(d):
     f, far = fig13.fits(d), d["gamma"] >= 2
     return {
         "power": standard(f["power"], f["power_error"]),
@@ -97,7 +96,7 @@ def over_gamma(d: Data) -> Numbers:
 
 
 @measures("S11")
-def turned_round(data: Evidence) -> Numbers:
+def turned_round(data):
     sweep = fig13.sweeps(data.quick)["gamma"]
     names = {side: f"landings.c_z_{side}.mean" for side in ("before", "after")}
     far, found = sweep.values("plate.acceleration") >= 2, rows.means(sweep, names)
@@ -106,7 +105,7 @@ def turned_round(data: Evidence) -> Numbers:
 
 
 @measures("S15", "fig12")
-def soft_impact(d: Data) -> Numbers:
+def soft_impact(d):
     some = np.isclose(d["tilt"], soft.TABLE_TILTS[:, None]).any(axis=0)
     theory = soft.rigid(d["tilt"][some], fig12.EPSILON).regime
     found = {}
@@ -118,7 +117,7 @@ def soft_impact(d: Data) -> Numbers:
 
 
 @measures("S16")
-def theory(data: Evidence) -> Numbers:
+def theory(data):
     d, of, size = (data.figure(name) for name in ("fig13", "closure", "row_size"))
     line = d["thin"] * d["speed"] / 2
     steps, usual = list(closure.STEPS), rows.nearest(size["count"], rows.COUNT)
@@ -135,7 +134,7 @@ def theory(data: Evidence) -> Numbers:
 
 
 @measures("S17", "fig13")
-def over_length(d: Data) -> Numbers:
+def over_length(d):
     length = d["length"]
     grows, long = length <= 2, length >= 3
 
@@ -153,18 +152,18 @@ def over_length(d: Data) -> Numbers:
 
 
 @measures("S19")
-def gear(_: Evidence) -> Numbers:
+def gear(_):
     coulomb, printed = gear_from_leapfrog()
     return {"coulomb": Number(coulomb), "printed": Number(printed)}
 
 
 @measures("S21")
-def slides(data: Evidence) -> Numbers:
+def slides(data):
     return {"weighted": data.census["slide"]}
 
 
 @measures("S22")
-def isolated(data: Evidence) -> Numbers:
+def isolated(data):
     return {
         "map": data.census["residual"],
         "map_isolated": data.census["isolated_residual"],
@@ -173,7 +172,7 @@ def isolated(data: Evidence) -> Numbers:
 
 
 @measures("S23")
-def near_onset(data: Evidence) -> Numbers:
+def near_onset(data):
     d, grid, lone = (data.figure(name) for name in ("fig13", "fig02", "alpha"))
     gamma, near = d["gamma"], d["gamma"] <= 1.4
 
@@ -199,7 +198,7 @@ def near_onset(data: Evidence) -> Numbers:
 
 
 @measures("S24", "fig13")
-def tilt_over_gamma(d: Data) -> Numbers:
+def tilt_over_gamma(d):
     return {
         "spread": lambda d: np.ptp(d["b_tilt"]),
         "low": entry(d, "b_tilt", 0),
@@ -268,7 +267,7 @@ def _slippery(data: Evidence) -> dict[str, np.ndarray]:
 
 
 @measures("S25")
-def frequency(data: Evidence) -> Numbers:
+def frequency(data):
     sweep = sweeps(data.quick)["frequency"]
     regimes = {name: f"touches.{name}.mean" for name in ("slide", "slip_stick", "slip_reversal")}
     d, speeds = over(sweep, c_x="c_x", **regimes), [p.scene.plate_speed for p in sweep.points]
@@ -287,7 +286,7 @@ def frequency(data: Evidence) -> Numbers:
 
 
 @measures("S26")
-def without_friction(data: Evidence) -> Numbers:
+def without_friction(data):
     d, least = _slippery(data), SLIPPERY[0]
     rod = spherocylinder(rows.BOX_TILT, rows.LENGTH)
     low, middle, high = (
@@ -307,7 +306,7 @@ def without_friction(data: Evidence) -> Numbers:
 
 
 @measures("E3", "tip_shape")
-def flat_end(d: Data) -> Numbers:
+def flat_end(d):
     tilt, edge = d["tilt"], float(d["flat_threshold"])
     length, at = float(d["length"]), np.radians(28)
     shapes = flat_ended_rod, spherocylinder
