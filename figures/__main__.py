@@ -212,7 +212,7 @@ def claims(scene: str | None, quick: bool, out: Path, store: Path | None) -> Non
         print(f"{own_rods.brief(found)}\n{out / name}")
         return
     with storing(out, store, *CLAIMS):
-        report = judge.judge(quick, progress=True, out=out)
+        report = judge.judge(quick, out)
     texts = _json_text(report), gallery.claims_page(report)
     for name, text in zip(CLAIMS, texts, strict=True):
         _write_text(out / name, text)
@@ -264,16 +264,16 @@ def prices(out: Path, store: Path | None) -> None:
     python -m figures prices
     """
     import matplotlib.pyplot as plt
-    from tqdm import tqdm
 
     from .cost import price_page
     from .lib.data import stored_data
     from .lib.drawing import files_of, produce
     from .lib.files import storing
+    from .lib.timing import waited
 
     found: dict[str, Any] = {}
     names = [*price_page.PRICE_PANELS]
-    bar = tqdm(names, desc="prices", unit="figure", disable=None, leave=False)
+    bar = waited(names, "prices", "figure")
     with storing(out, store, *files_of(*names), *PRICES):
         for name in bar:
             bar.set_postfix_str(name)

@@ -96,7 +96,7 @@ def _told(claim: dict[str, Any]) -> str:
     return "; ".join(f"{r['name']}: {shown(r)} ({r['verdict']})" for r in statements(claim))
 
 
-def judge(quick: bool = False, progress: bool = False, out: Path | None = None) -> dict[str, Any]:
+def judge(quick: bool = False, out: Path | None = None) -> dict[str, Any]:
     """Judge all claims: what was measured, the verdicts, and where they come from.
 
     Runs what it needs, for minutes, as far as the store and the figures in `out` do not hold it.
@@ -104,19 +104,15 @@ def judge(quick: bool = False, progress: bool = False, out: Path | None = None) 
     Parameters
     ----------
     quick : the figures' quick data, shorter and coarser
-    progress : a bar with the time left, on a terminal
     out : folder of figures that were drawn; current data there are read, not computed
     """
-    from tqdm import tqdm
-
-    from ..lib.timing import machine  # late, as in `measure`
+    from ..lib.timing import machine, waited  # late, as in `measure`
     from . import any_rods
     from .evidence import ASSUMED, Evidence
 
     evidence, simple, judged = Evidence(quick, out), Evidence(quick, assumed=True), []
     surveyed = evidence.figure("any_rods")
-    quiet = None if progress else True
-    bar = tqdm(read(), desc="judging", unit="claim", leave=False, disable=quiet)
+    bar = waited(read(), "judging", "claim")
     for claim in bar:
         bar.set_postfix_str(claim["id"])
         found = _judged(claim, evidence)
