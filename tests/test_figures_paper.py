@@ -203,7 +203,7 @@ def test_drift_is_told_from_none():
 def test_fits_find_what_was_put_in():
     gamma = np.array([1.05, 1.1, 1.2, 1.4, 2, 3, 4, 5.0])
     c_x = np.where(gamma < 1.5, 3 * (gamma - 1) ** 1.5, 2.5 * (gamma - 1.3))
-    f = fig13.fits({"gamma": gamma, "b_c_x": c_x, "b_c_x_error": np.full(8, 1e-3)})
+    f = fig13.fits({"gamma": gamma, "gamma_c_x": c_x, "gamma_c_x_error": np.full(8, 1e-3)})
     assert f["power"] == pytest.approx(1.5, abs=1e-6)
     assert (f["line_slope"], f["line_from"]) == pytest.approx((2.5, 1.3))
 

@@ -1,8 +1,8 @@
 """Numbers of the claims on one impact and on plane rows, and of E3, from the figures' own data.
 
 A function that `measures` a claim takes a figure's data, `d`, or all evidence, `data`, and returns
-`Numbers` by the keys that claims.toml gives them. What the
-paper's row over tilt tells is in `over_tilt`.
+`Numbers` by the keys that claims.toml gives them. What the paper's row over tilt tells is in
+`over_tilt`.
 """
 
 import numpy as np
@@ -88,8 +88,8 @@ def over_gamma(d):
     f, far = fig13.fits(d), d["gamma"] >= 2
     return {
         "power": standard(f["power"], f["power_error"]),
-        **begins(d, "b_c_x"),
-        "bend": lambda d: bend(d["gamma"][far], d["b_c_x"][far]),
+        **begins(d, "gamma_c_x"),
+        "bend": lambda d: bend(d["gamma"][far], d["gamma_c_x"][far]),
         "slope": standard(f["line_slope"], f["line_slope_error"]),
         "zero": lambda d: fig13.fits(d)["line_from"],
     }
@@ -128,7 +128,7 @@ def theory(data):
             for name in LEFT_OF_LANDINGS
         },
         "size": resampled(size, lambda d: (d["c_x"][usual] / d["c_x"][-1]).mean()),
-        "peak_tilt": peak(d, "a_tilt", "a_c_x"),
+        "peak_tilt": peak(d, "tilt_tilt", "tilt_c_x"),
         "peak_theory": Number(np.degrees(d["fine"])[line.argmax()]),
     }
 
@@ -139,15 +139,19 @@ def over_length(d):
     grows, long = length <= 2, length >= 3
 
     def zero(d):
-        slope, at = np.polyfit(length[grows], d["c_c_x"][grows], 1)
+        slope, at = np.polyfit(length[grows], d["length_c_x"][grows], 1)
         return -at / slope
 
     return {
         "zero": zero,
-        "bend": lambda d: off_line(length[grows], d["c_c_x"][grows]) / d["c_c_x"][grows][-1],
-        "saturation": lambda d: crossing(length, -d["c_c_x"], -0.9 * d["c_c_x"][long].mean()),
-        "spread": lambda d: np.ptp(d["c_c_x"][long]) / d["c_c_x"][long].mean(),
-        "peak": peak(d, "length", "c_c_x"),
+        "bend": lambda d: (
+            off_line(length[grows], d["length_c_x"][grows]) / d["length_c_x"][grows][-1]
+        ),
+        "saturation": lambda d: crossing(
+            length, -d["length_c_x"], -0.9 * d["length_c_x"][long].mean()
+        ),
+        "spread": lambda d: np.ptp(d["length_c_x"][long]) / d["length_c_x"][long].mean(),
+        "peak": peak(d, "length", "length_c_x"),
     }
 
 
@@ -177,14 +181,14 @@ def near_onset(data):
     gamma, near = d["gamma"], d["gamma"] <= 1.4
 
     def off(d):
-        x, y = gamma[near] - 1, (gamma * d["b_V_z"])[near]  # V_0 grows with Gamma
+        x, y = gamma[near] - 1, (gamma * d["gamma_V_z"])[near]  # V_0 grows with Gamma
         return rms(y - (x @ y) / (x @ x) * x) / rms(y)
 
     reverse, sign, back = reverse_drift(grid), np.sign(grid["V_z"]), grid["kind"] < 0
     found = {
-        "zero": onset(gamma, d["b_V_z"] > 0),
+        "zero": onset(gamma, d["gamma_V_z"] > 0),
         "bend": resampled(d, off),
-        "lowest": resampled(d, lambda d: d["b_V_z"][near].min()),
+        "lowest": resampled(d, lambda d: d["gamma_V_z"][near].min()),
         "agree": reverse["follows"],
         "backwards": reverse["back"],
         "explained": count(np.mean(sign[back] < 0) if back.any() else np.nan),
@@ -200,9 +204,9 @@ def near_onset(data):
 @measures("S24", "fig13")
 def tilt_over_gamma(d):
     return {
-        "spread": lambda d: np.ptp(d["b_tilt"]),
-        "low": entry(d, "b_tilt", 0),
-        "high": entry(d, "b_tilt", -1),
+        "spread": lambda d: np.ptp(d["gamma_tilt"]),
+        "low": entry(d, "gamma_tilt", 0),
+        "high": entry(d, "gamma_tilt", -1),
     }
 
 

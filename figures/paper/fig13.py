@@ -87,9 +87,9 @@ def data(
     """Measured rows and the theory beside them; of one's own values the theory alone. cm/s."""
     setting = {"friction": friction, "restitution": restitution}
     papers = (setting, length) == (SETTING, LENGTH)
-    of_rods = _simulated(quick) if papers else {}
     words = rf"$\epsilon={restitution:g}$, $\mu={friction:g}$, (a, b) $l={length:g}\,d$"
     runs = sweeps(quick)
+    of_rods = _simulated(runs) if papers else {}
     tilt_deg, gamma = tilts(quick), runs["gamma"].values("plate.acceleration")
     lengths = runs["length"].values("rods.length")
     fine, fine_length = np.radians(np.linspace(0.5, 89.5, 357)), np.linspace(1, lengths[-1], 200)
@@ -119,14 +119,12 @@ def data(
     }
 
 
-def _simulated(quick: bool) -> Data:
-    """Drift [cm/s], tilt [deg] and V_z/V_0 of the rows, with their errors."""
-    runs = sweeps(quick)
+def _simulated(runs: dict[str, Sweep]) -> Data:
+    """Drift [cm/s], tilt [deg] and V_z/V_0 of the rows, with their errors, by sweep."""
     found = {"jammed_length": runs["jammed"].values("rods.length")}
     stored = {"c_x": "c_x_cm_s", "tilt": "tilt_deg", "V_z": AT_TOUCH}
-    prefixes = {"tilt": "a", "gamma": "b", "length": "c", "jammed": "jammed", "second": "second"}
-    for name, prefix in prefixes.items():
-        found |= means(runs[name], {f"{prefix}_{one}": result for one, result in stored.items()})
+    for name, sweep in runs.items():
+        found |= means(sweep, {f"{name}_{one}": result for one, result in stored.items()})
     return found
 
 
@@ -139,12 +137,12 @@ def _over_tilt(ax, d):
     ax.plot(fine_deg, half * d["thick"], "--", color=ORANGE, label=r"theory, $l$, $V_0/2$")
     tilt_axis(ax, 0, 90, 30)
     ax.set_ylabel(r"drift $c_x$ (cm/s)")
-    if "a_c_x" not in d:
+    if "tilt_c_x" not in d:
         return
-    curve(ax, d, "a_tilt", "a_c_x", label="simulated", form="o")
+    curve(ax, d, "tilt_tilt", "tilt_c_x", label="simulated", form="o")
     words = "simulated, another contact law"
     curve(ax, d, "second_tilt", "second_c_x", ANOTHER, words, hollow=True, form="^")
-    measured = d["thick_at_tilts"] * d["a_V_z"] * d["speed"]
+    measured = d["thick_at_tilts"] * d["tilt_V_z"] * d["speed"]
     ax.plot(d["tilt_deg"], measured, label=r"theory, $l$, measured $V_z$", **MEASURED)
     ax.set_ylim(-0.5, 1.1 * max(measured.max(), 15))
 
@@ -153,19 +151,19 @@ def _over_gamma(ax, d):
     ax.plot(d["gamma"], d["thin_at_box"] * d["speed_b"] / 2, color=THEORY)
     ax.plot(d["gamma"], d["thick_at_box"] * d["speed_b"] / 2, "--", color=ORANGE)
     ax.set(xlabel=r"acceleration $\Gamma$", xlim=(1, None))
-    if "b_c_x" not in d:
+    if "gamma_c_x" not in d:
         return
-    curve(ax, d, "gamma", "b_c_x", form="o")
-    rising = np.where(d["b_V_z"] > 0, d["b_V_z"], np.nan)  # else the closure has no impact
+    curve(ax, d, "gamma", "gamma_c_x", form="o")
+    rising = np.where(d["gamma_V_z"] > 0, d["gamma_V_z"], np.nan)  # else the closure has no impact
     ax.plot(d["gamma"], d["thick_at_box"] * rising * d["speed_b"], **MEASURED)
     fit = fits(d)
     x = np.array([fit["line_start"], d["gamma"][-1]])
     line = fit["line_slope"] * (x - fit["line_from"])
     ax.plot(x, line, color="0.5", label="fit from 2 on")
     ax.legend(loc="upper right")
-    ax.set_ylim(-0.5, 2.2 * d["b_c_x"].max())
+    ax.set_ylim(-0.5, 2.2 * d["gamma_c_x"].max())
     inset = ax.inset_axes([0.2, 0.62, 0.25, 0.22])
-    curve(inset, d, "gamma", "b_tilt", ms=2, form="o")
+    curve(inset, d, "gamma", "gamma_tilt", ms=2, form="o")
     nominal = np.degrees(BOX_TILT)
     inset.axhline(nominal, color="0.5", lw=0.6)
     inset.set(ylim=(nominal - 3, nominal + 3), xlim=(1, None))
@@ -175,11 +173,11 @@ def _over_gamma(ax, d):
 def _over_length(ax, d):
     ax.plot(d["fine_length"], d["thick_of_length"] * d["speed_c"] / 2, "--", color=ORANGE)
     ax.set(xlabel=r"length $l/d$", xlim=(0.5, None))
-    if "c_c_x" not in d:
+    if "length_c_x" not in d:
         return
-    curve(ax, d, "length", "c_c_x", form="o")
+    curve(ax, d, "length", "length_c_x", form="o")
     curve(ax, d, "jammed_length", "jammed_c_x", label="from rest", hollow=True, form="o")
-    measured = d["thick_at_lengths"] * d["c_V_z"] * d["speed_c"]
+    measured = d["thick_at_lengths"] * d["length_V_z"] * d["speed_c"]
     ax.plot(d["length"], measured, **MEASURED)
     ax.set_ylim(-0.4, 1.4 * measured.max())
     ax.legend(loc="upper right")
@@ -215,15 +213,15 @@ def fits(d: Data) -> dict[str, float]:
 
     power : exponent of c_x over Gamma - 1 below 1.5; line_ : c_x(Gamma) from 2 on
     """
-    gamma, c_x = d["gamma"], d["b_c_x"]
-    near = (gamma < 1.5) & (c_x > 3 * d["b_c_x_error"])
+    gamma, c_x = d["gamma"], d["gamma_c_x"]
+    near = (gamma < 1.5) & (c_x > 3 * d["gamma_c_x_error"])
     far = gamma >= 2
     power, power_error = np.nan, np.nan
     if near.sum() >= 3:
-        relative = np.fmax(d["b_c_x_error"] / np.abs(c_x), 0.02)[near]
+        relative = np.fmax(d["gamma_c_x_error"] / np.abs(c_x), 0.02)[near]
         x, y = np.log(gamma[near] - 1), np.log(c_x[near])
         power, power_error, _ = _slope(x, y, relative)
-    slope, slope_error, start = _slope(gamma[far], c_x[far], d["b_c_x_error"][far])
+    slope, slope_error, start = _slope(gamma[far], c_x[far], d["gamma_c_x_error"][far])
     return {
         "power": power,
         "power_error": power_error,
