@@ -10,13 +10,15 @@ Dotted in (d): the perfectly inelastic rod. Dotted in (e): where the paper's rod
 forward. (At 9 degrees some of the rods, thrown at the start, find orbits that never rest.)
 """
 
+from functools import partial
+
 import matplotlib.pyplot as plt
 import numpy as np
 
 from impact import drift, spherocylinder
 from md.domains import InputError
 
-from ..lib.runs import FRICTION, GAMMA, LENGTH, RESTITUTION
+from ..lib.runs import FRICTION, GAMMA, LENGTH, RESTITUTION, with_error
 from ..lib.style import (
     BLACK,
     RIGID,
@@ -38,13 +40,13 @@ EXPERIMENT = 1.6  # Gamma above which the paper's rods drift forward, Fig. 2(c, 
 MEASURED_FIELDS = ("alpha", "alpha_impulse", "drift", "flight", "rest")
 
 
-def _sweep(prefix: str, runs: list) -> Data:
-    """Means and errors of several runs, one array a field."""
+def _measured(prefix: str, runs: np.ndarray) -> Data:
+    """Means and errors of runs, arrays of their shape, one a field."""
     found = {}
     for field in MEASURED_FIELDS:
-        mean, error = zip(*(getattr(run, field) for run in runs), strict=True)
-        found[f"{prefix}_{field}"] = np.array(mean)
-        found[f"{prefix}_{field}_error"] = np.array(error)
+        mean, error = np.transpose([getattr(run, field) for run in runs.flat])
+        mean, error = mean.reshape(runs.shape), error.reshape(runs.shape)
+        found |= with_error(f"{prefix}_{field}", mean, error)
     return found
 
 
@@ -62,6 +64,7 @@ def data(
     setting = {"friction": friction, "restitution": restitution}
     rods, landings = (30, 200) if quick else (200, 1000)
 
+    @partial(np.vectorize, otypes=[object])
     def run(tilt, gamma):
         return bounce(
             spherocylinder(tilt, length),
@@ -76,20 +79,18 @@ def data(
     tilts = np.radians(np.arange(0, 76, 5 if quick else 1))
     onset = np.geomspace(1e-3, 0.1, 4 if quick else 8)
     gammas = np.concatenate([1 + onset, np.arange(1.2, 5.01, 0.4 if quick else 0.1)])
-    over_tilt = [run(tilt, GAMMA) for tilt in tilts]
-    over_gamma = [[run(np.radians(deg), gamma) for gamma in gammas] for deg in ALPHA_TILTS_DEG]
+    over_tilt, over_gamma = run(tilts, GAMMA), run(np.radians(ALPHA_TILTS_DEG)[:, None], gammas)
     fine = np.concatenate([1 + np.geomspace(1e-4, 0.1, 30), np.linspace(1.11, np.hypot(1, np.pi))])
     upright, flat = spherocylinder(0.0, length), spherocylinder(np.pi / 2, length)
     inelastic = [
         bounce(upright, gamma=g, friction=friction, restitution=0.0, landings=1).alpha.mean
         for g in fine
     ]
-    by_tilt = [_sweep("gamma", runs) for runs in over_gamma]
     with np.errstate(divide="ignore", invalid="ignore"):
         again = np.arcsin(np.sqrt(restitution) * upright.k / flat.X)
     return {
         "tilt": tilts,
-        **_sweep("tilt", over_tilt),
+        **_measured("tilt", over_tilt),
         "tilt_flights": np.array([each.flights.mean for each in over_tilt]),
         "steady_c_x": drift(spherocylinder(tilts, length), **setting).c_x,
         "again_tilt": again,
@@ -97,7 +98,7 @@ def data(
         "length": length,
         "gammas": gammas,
         "gamma_tilt": np.radians(ALPHA_TILTS_DEG),
-        **{name: np.array([each[name] for each in by_tilt]) for name in by_tilt[0]},
+        **_measured("gamma", over_gamma),
         "inelastic_gamma": fine,
         "inelastic_alpha": np.array(inelastic),
     }
