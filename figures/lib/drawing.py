@@ -6,7 +6,7 @@ import traceback
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, redirect_stderr
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import matplotlib.pyplot as plt
 from joblib import delayed
@@ -74,23 +74,21 @@ def produce(
     return Drawn(name, files, printed(data))
 
 
-def _tried(
-    name: str, out: Path, quick: bool, kept: Path | None = None, own: Own = NOTHING
-) -> Drawn:
-    """Compute and draw one figure; a failure is returned, not raised, so that others go on."""
+def _tried(name: str, *how: Any) -> Drawn:
+    """`produce`; a failure is returned, not raised, so that others go on."""
     try:
-        return produce(name, out, quick, kept, own)
+        return produce(name, *how)
     except Exception as error:
         foreseen = isinstance(error, OSError) or hasattr(error, "exit_code")
         why = str(error) if foreseen else traceback.format_exc().rstrip()
         return Drawn(name, failure=why, code=getattr(error, "exit_code", 1))
 
 
-def _in_a_process(name: str, out: Path, quick: bool, store: Path, own: Own) -> Drawn:
-    """Compute and draw one figure in a process of its own; nothing is written onto the terminal."""
+def _in_a_process(store: Path, *how: Any) -> Drawn:
+    """`_tried` in a process of its own; nothing is written onto the terminal."""
     runs.STORE = store
     with redirect_stderr(io.StringIO()) as said:
-        drawn = _tried(name, out, quick, own=own)
+        drawn = _tried(*how)
     return drawn._replace(said=said.getvalue())
 
 
@@ -99,7 +97,8 @@ def _pool(
     names: Sequence[str], out: Path, quick: bool, jobs: int, own: Own
 ) -> Iterator[Iterator[Drawn]]:
     """Figures as they are drawn by `jobs` processes, which end with this context."""
-    tasks = [delayed(_in_a_process)(name, out, quick, runs.STORE, own) for name in names]
+    task = delayed(_in_a_process)
+    tasks = [task(runs.STORE, name, out, quick, None, own) for name in names]
     try:
         with pool(tasks, jobs, pre_dispatch="all") as results:
             yield results
