@@ -131,12 +131,12 @@ def mean_drift(
             restitution=restitution,
             plate_velocity=V_z,
         )
-        return float(hit.c_x) - c_x - gain
+        return hit.c_x - c_x - gain
 
     far = 1e3 * (abs(rise) + abs(V_z) + abs(spin) * rod.k)
     if not (excess(-far) > 0 > excess(far)):
         return np.nan
-    return float(brentq(excess, -far, far, xtol=1e-13)) + gain / 2
+    return brentq(excess, -far, far, xtol=1e-13) + gain / 2
 
 
 def measures(rows: np.ndarray) -> dict[str, float]:
@@ -156,8 +156,8 @@ def measures(rows: np.ndarray) -> dict[str, float]:
     mean, among = rows.mean(axis=0), alone if len(alone) >= ENOUGH else rows
     return {
         **dict(zip(SIDES, mean[touches.BEFORE : touches.PLATE].tolist(), strict=True)),
-        "V_z": float(mean[touches.PLATE]),
-        "restitution": float(-among[:, touches.LEAVING].sum() / among[:, touches.APPROACH].sum()),
+        "V_z": mean[touches.PLATE],
+        "restitution": -among[:, touches.LEAVING].sum() / among[:, touches.APPROACH].sum(),
     }
 
 
@@ -230,8 +230,8 @@ def drifts(tilt: np.ndarray, speed: float, measured: dict[str, np.ndarray]) -> n
     """`replaced` of every run, along a first axis."""
     found = np.empty((len(STEPS) + len(ASSUMED), *tilt.shape))
     for at in np.ndindex(tilt.shape):
-        known = {name: float(array[at]) for name, array in measured.items()}
-        found[(..., *at)] = replaced(float(tilt[at]), {**known, "speed": speed})
+        known = {name: array[at] for name, array in measured.items()}
+        found[(..., *at)] = replaced(tilt[at], {**known, "speed": speed})
     return found
 
 

@@ -87,8 +87,7 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
 @cache
 def reversal_tilt() -> float:
     """Tilt [deg] beyond which friction cannot hold the tip of the row's rods."""
-    held = brentq(lambda tilt: critical_friction(paper_rod(tilt)) - FRICTION, 0, 0.8)
-    return float(np.degrees(held))
+    return np.degrees(brentq(lambda tilt: critical_friction(paper_rod(tilt)) - FRICTION, 0, 0.8))
 
 
 def data(quick: bool = False) -> Data:

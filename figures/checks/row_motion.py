@@ -34,7 +34,7 @@ def departures(values: np.ndarray) -> tuple[float, float]:
     off = values - values.mean(axis=-1, keepdims=True)
     square = (off**2).mean()
     together = (off * np.roll(off, 1, axis=-1)).mean()
-    return float(np.sqrt(square)), float(together / max(square, 1e-300))
+    return np.sqrt(square), together / max(square, 1e-300)
 
 
 def lower_ends(rods: np.ndarray, half: float) -> np.ndarray:
@@ -58,9 +58,9 @@ def seen(states: np.ndarray, half: float) -> tuple[float, ...]:
     """
     rise, tilt = states[..., C_Z], np.arctan2(states[..., SINE], states[..., COSINE])
     common = (rise.mean(axis=-1) ** 2).mean() / max((rise**2).mean(), 1e-300)
-    found = departures(lower_ends(states, half)), departures(half * tilt)
+    heights, tilts = departures(lower_ends(states, half)), departures(half * tilt)
     fallen = ((tilt < 0) | (tilt > np.pi / 2)).mean()
-    return float(common), *found[0], *found[1], float(np.degrees(tilt.mean())), float(fallen)
+    return common, *heights, *tilts, np.degrees(tilt.mean()), fallen
 
 
 def stretched(engine: Engine, box: float) -> None:
@@ -101,7 +101,7 @@ def averaged(scene: Scene, periods: int) -> dict[str, Any]:
     found, _ = watched(scene, periods)
     late = {name: values[transient(periods) :] for name, values in found.items()}
     errors = {f"{name}_stderr": standard_error(late[name]) for name in ("c_x", "tilt_deg")}
-    return {name: float(values.mean()) for name, values in late.items()} | errors
+    return {name: values.mean() for name, values in late.items()} | errors
 
 
 def followed(
@@ -111,8 +111,8 @@ def followed(
     found, _ = watched(scene, periods, box)
     parts = np.array_split(np.arange(periods), max(periods // WINDOW, 1))
     return {
-        **{name: [float(values[part].mean()) for part in parts] for name, values in found.items()},
-        "middle": [float(part.mean()) + 0.5 for part in parts],
+        **{name: [values[part].mean() for part in parts] for name, values in found.items()},
+        "middle": [part.mean() + 0.5 for part in parts],
         "late_c_x_stderr": standard_error(found["c_x"][periods // 2 :]),
     }
 

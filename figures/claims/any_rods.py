@@ -131,14 +131,14 @@ def told(d: Data) -> dict[str, Any]:
         "ranges": {name: [p.low, p.high] for name, p in PROPERTIES.items()},
         "numbers": {
             name: {
-                "share": float(np.nanmean(true)) if np.isfinite(true).any() else None,
+                "share": np.nanmean(true) if np.isfinite(true).any() else None,
                 "quartiles": _quartiles(numbers[name]),
                 "follows": _follows(d, some, numbers[name], true == 1),
             }
             for name, true in judged(d).items()
         },
         "over_theory": [_quartiles(side) for side in sides],
-        "within_two": [float(np.mean((side >= 0.5) & (side <= 2))) for side in sides],
+        "within_two": [np.mean((side >= 0.5) & (side <= 2)) for side in sides],
     }
 
 
@@ -160,4 +160,4 @@ def _follows(
     if abs(rank[most]) < FOLLOWS:
         return None
     where = d[most][some][true]
-    return {"property": most, "rank": float(rank[most]), "middle": _quartiles(where)[::2]}
+    return {"property": most, "rank": rank[most], "middle": _quartiles(where)[::2]}

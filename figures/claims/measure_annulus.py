@@ -103,7 +103,7 @@ def walls(d):
 @measures("S8", "fig05")
 def zigzag(d):
     low, order = d["mean"] <= UPRIGHT_DEG, d["zigzag"]
-    best = int(np.argmax(np.where(low, order, -np.inf)))
+    best = np.argmax(np.where(low, order, -np.inf))
     at = runs.nearest(d["mean"], REGION_TILT_DEG)
 
     def first(values):
@@ -188,7 +188,7 @@ def largest_tilt_of_flat(gap: Annulus, length: float) -> float:
 
         return gap.outer - minimize_scalar(tightness, (-0.1, 0.1), options={"xtol": 1e-12}).fun
 
-    return pi / 2 if room(pi / 2) >= 0 else float(brentq(room, 0.0, pi / 2, xtol=1e-10))
+    return pi / 2 if room(pi / 2) >= 0 else brentq(room, 0.0, pi / 2, xtol=1e-10)
 
 
 @measures("E1", "fig04")

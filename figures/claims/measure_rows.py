@@ -49,7 +49,7 @@ def over(sweep: Sweep, **names: str) -> dict[str, np.ndarray]:
 
 @measures("S1", "appendix_a")
 def restitution(d):
-    e, step = d["restitution"][0, 0, 0], float(d["step_error"])
+    e, step = d["restitution"][0, 0, 0], d["step_error"]
     nearest = appendix_a.miss(d["restitution"]).min()
     found = {"mean": e.mean(), "spread": np.ptp(e), "head_on": e[0], "nearest": nearest}
     return {key: Number(value, step, "halved step") for key, value in found.items()}
@@ -241,7 +241,7 @@ def relaxation(series: np.ndarray) -> tuple[float, float]:
 
     bounds = 0.0, np.log(3 * len(series))
     best = minimize_scalar(lambda x: fitted(x)[0], bounds=bounds, method="bounded").x
-    return float(fitted(best)[1]), float(np.exp(best))
+    return fitted(best)[1], np.exp(best)
 
 
 def slow_start(scene: md.Scene, periods: int) -> dict[str, float]:
@@ -311,8 +311,8 @@ def without_friction(data):
 
 @measures("E3", "tip_shape")
 def flat_end(d):
-    tilt, edge = d["tilt"], float(d["flat_threshold"])
-    length, at = float(d["length"]), np.radians(28)
+    tilt, edge = d["tilt"], d["flat_threshold"]
+    length, at = d["length"], np.radians(28)
     shapes = flat_ended_rod, spherocylinder
     flat, whole = (drift(shape(at, length), **rows.SETTING).c_x for shape in shapes)
     beyond, below = tilt > edge, (tilt > 0) & (tilt < edge)

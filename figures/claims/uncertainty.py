@@ -100,13 +100,13 @@ def crossing(x: np.ndarray, y: np.ndarray, level: float) -> float:
     if not below.size:
         return np.inf
     ends = [below[0], max(below[0] - 1, 0)]
-    return float(np.interp(level, y[ends], x[ends]))
+    return np.interp(level, y[ends], x[ends])
 
 
 def among(number: Number, places: np.ndarray) -> Number:
     """Number that is one of some places: half the way to the next ones is a part of its error."""
     apart = np.sort(np.abs(places - number.value))[1:3].mean() / 2
-    return number._replace(error=float(np.hypot(number.error, apart)))
+    return number._replace(error=np.hypot(number.error, apart))
 
 
 def peak(d: Mapping, x: str, y: str) -> Number:
@@ -123,7 +123,7 @@ def exponents(x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 def rms(values: np.ndarray) -> float:
     """Root mean square."""
-    return float(np.sqrt(np.mean(values**2)))
+    return np.sqrt(np.mean(values**2))
 
 
 def off_line(x: np.ndarray, y: np.ndarray) -> float:

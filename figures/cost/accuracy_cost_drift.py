@@ -62,7 +62,7 @@ def long_run(scene: md.Scene, periods: int) -> dict[str, Any]:
         raise KeyboardInterrupt
     series = run.c_x_series[CUT:]
     return {
-        "mean": float(series.mean()),
+        "mean": series.mean(),
         "error": standard_error(series),
         "made": len(series),
         "parts": parts(series, PART_LENGTHS).tolist(),

@@ -127,7 +127,7 @@ def data(quick: bool = False) -> Data:
     true, near = (velocities(integrator="dop853", tolerance=t)[0] for t in (1e-14, 1e-13))
     fixed, whole = fixed_steps(parts, true), contact_time(LAW, 1.0)
     calls = [
-        impact_call(float(tilt), method, whole / part)
+        impact_call(tilt, method, whole / part)
         for method in METHODS
         for part in parts
         for tilt in TILTS_OF_REGIMES

@@ -95,7 +95,7 @@ def _closed(speed: float, calls: int) -> tuple[float, ...]:
     """Closed form with the assumed V_z, and the seconds of each of `calls` in one array."""
     rod = paper_rod(np.full(calls, BOX_TILT) if calls > 1 else BOX_TILT)
     call = repeated(lambda: drift(rod, **SETTING, plate_velocity=speed / 2))
-    return float(np.ravel(call(1).c_x)[0]), 0.0, 0.0, medians([call], 21)[0] / calls
+    return np.ravel(call(1).c_x)[0], 0.0, 0.0, medians([call], 21)[0] / calls
 
 
 def _bouncing(landings: int, speed: float) -> tuple[float, ...]:

@@ -29,7 +29,7 @@ Found = Mapping[str, Mapping[str, np.ndarray]]  # data of the figures in `PRICE_
 
 def _machine(found: Found) -> str:
     """The machine, and the largest load under which one of the figures was measured."""
-    return machine_line(max(float(d["load"]) for d in found.values()))
+    return machine_line(max(d["load"] for d in found.values()))
 
 
 @style

@@ -29,7 +29,7 @@ def zigzag(rods: np.ndarray) -> float:
     """
     radius = np.hypot(*in_order(rods)[:, :2].T)
     off = radius - radius.mean()
-    return float(-(off * np.roll(off, 1)).mean() / max((off**2).mean(), 1e-300))
+    return -(off * np.roll(off, 1)).mean() / max((off**2).mean(), 1e-300)
 
 
 def contrast(tilt: np.ndarray) -> float:
@@ -38,14 +38,14 @@ def contrast(tilt: np.ndarray) -> float:
     Tilts are smoothed over three rods, so that the difference between rods at the inner and the
     outer wall, which stand by turns and lean differently, drops out.
     """
-    return float(np.ptp(tilt / 2 + (np.roll(tilt, 1) + np.roll(tilt, -1)) / 4))
+    return np.ptp(tilt / 2 + (np.roll(tilt, 1) + np.roll(tilt, -1)) / 4)
 
 
 def arrangement(rods: np.ndarray) -> tuple[float, ...]:
     """Measures that `MEASURED` names, of one state: tilts in degrees, orders and a share."""
     tilt = tilts_deg(in_order(rods))
     share = np.mean(tilt > tilt.mean() + MORE_DEG)
-    return float(tilt.mean()), float(tilt.std()), zigzag(rods), contrast(tilt), float(share)
+    return tilt.mean(), tilt.std(), zigzag(rods), contrast(tilt), share
 
 
 def followed(scene: Scene, periods: int) -> dict[str, Any]:

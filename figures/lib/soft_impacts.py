@@ -47,7 +47,7 @@ class Soft(NamedTuple):
 def one_impact(tilt: float, law: md.Law, **how: Any) -> md.Impact:
     """The impact at one tilt [rad] with c_z = -1 [sqrt(g d)]; `how` as in `md.impact`."""
     how = {"friction": IMPACT_FRICTION, "rod": ROD, **how}
-    return md.impact(float(tilt), 1 / APPROACH_RATIO, -1.0, law=law, **how)
+    return md.impact(tilt, 1 / APPROACH_RATIO, -1.0, law=law, **how)
 
 
 def simulate(

@@ -97,7 +97,7 @@ def estimate(values: np.ndarray) -> Estimate:
     """Median over rounds of an array with one value a round, with its error and spread."""
     low, middle, high = np.quantile(values, (0.25, 0.5, 0.75))
     error = MEDIAN_ERROR * (high - low) / np.sqrt(len(values))
-    return Estimate(float(middle), float(error), float(high - low))
+    return Estimate(middle, error, high - low)
 
 
 def onward(engine: Engine, steps: int, series: Series | None = None) -> float:

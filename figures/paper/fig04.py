@@ -222,11 +222,10 @@ def shape(tilt: np.ndarray, c_x: np.ndarray) -> dict[str, float]:
     order = np.argsort(tilt)
     tilt, c_x = tilt[order], c_x[order]
     late = tilt > np.mean(MAXIMA_DEG)
-    i, j = (int(np.argmax(np.where(side, c_x, -np.inf))) for side in (~late, late))
+    i, j = (np.argmax(np.where(side, c_x, -np.inf)) for side in (~late, late))
     lowest, smaller = c_x[i : j + 1].min(), min(c_x[i], c_x[j])
     small = tilt <= MAXIMA_DEG[0]
     line = tilt[small], c_x[small]
     bent, slope = (bend(*line), np.polyfit(*line, 1)[0]) if small.sum() > 2 else (np.nan, np.nan)
     found = {"early": tilt[i], "late": tilt[j], "dip": 1 - lowest / smaller}
-    found |= {"bend": bent, "slope": slope, "end": c_x[-1] / c_x.max()}
-    return {key: float(value) for key, value in found.items()}
+    return found | {"bend": bent, "slope": slope, "end": c_x[-1] / c_x.max()}

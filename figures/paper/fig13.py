@@ -205,7 +205,7 @@ def _slope(x: np.ndarray, y: np.ndarray, error: np.ndarray) -> tuple[float, floa
     (slope, at), cover = np.polyfit(x, y, 1, w=weight, cov="unscaled")
     residual = (weight * (slope * x + at - y)) ** 2
     scale = max(residual.sum() / max(len(x) - 2, 1), 1.0)  # where the line does not fit
-    return float(slope), float(np.sqrt(cover[0, 0] * scale)), float(-at / slope)
+    return slope, np.sqrt(cover[0, 0] * scale), -at / slope
 
 
 def fits(d: Data) -> dict[str, float]:
@@ -225,7 +225,7 @@ def fits(d: Data) -> dict[str, float]:
     return {
         "power": power,
         "power_error": power_error,
-        "line_start": float(gamma[far][0]),
+        "line_start": gamma[far][0],
         "line_slope": slope,
         "line_slope_error": slope_error,
         "line_from": start,
