@@ -79,24 +79,26 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
     }
 
 
-def _lone(gamma: np.ndarray, tilt: np.ndarray, quick: bool) -> np.ndarray:
+def _lone(gamma: np.ndarray, tilt: np.ndarray, quick: bool) -> tuple[np.ndarray, np.ndarray]:
     """Drift [V_0] and alpha of one rigid rod, (gamma, tilt)."""
     from impact.bouncing import bounce  # compiles
 
     rods, landings, transient = (20, 60, 100) if quick else (60, 300, 150)
-    found = np.empty((2, len(gamma), len(tilt)))
-    for i, j in np.ndindex(found.shape[1:]):
-        run = bounce(
-            spherocylinder(tilt[j], LENGTH),
-            gamma=gamma[i],
+
+    @np.vectorize
+    def run(gamma, tilt):
+        found = bounce(
+            spherocylinder(tilt, LENGTH),
+            gamma=gamma,
             **SETTING,
             landings=landings,
             rods=rods,
             transient=transient,
             shortest_flight=0.01,
         )
-        found[:, i, j] = run.drift.mean, run.alpha_impulse.mean
-    return found
+        return found.drift.mean, found.alpha_impulse.mean
+
+    return run(gamma[:, None], tilt)
 
 
 def data(quick: bool = False) -> Data:
