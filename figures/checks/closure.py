@@ -26,7 +26,7 @@ from scipy.optimize import brentq
 import md
 from impact import ContactGeometry, collide, thin_rod
 from md.kernels import touches
-from md.measures import HOP, merged
+from md.measures import AFTER, BEFORE, HOP, merged
 from md.scene import from_tables
 from md.sweep import Sweep
 
@@ -82,7 +82,7 @@ STEPS = {  # in order; each keeps what the ones before replaced
     "spin": r"$\omega$",
     "restitution": r"$\epsilon$",
 }
-SIDES = [f"{name}_{side}" for side in ("before", "after") for name in ("c_x", "c_z", "omega")]
+SIDES = BEFORE + AFTER
 VELOCITIES = ("V_z", *SIDES)  # means over touches, and over landings
 LANDED = "landing_"  # before these names
 MEANS = ("restitution", *VELOCITIES, *(f"{LANDED}{name}" for name in VELOCITIES))
