@@ -50,7 +50,7 @@ LABELS = {
 def other() -> tuple[np.ndarray, np.ndarray]:
     """Nominal tilts [deg], and what the other program measured: (measured, tilts, starts)."""
     text = Path(__file__).with_suffix(".toml").read_text(encoding="utf-8")
-    rows = np.array([line.split() for line in tomllib.loads(text)["runs"].splitlines()], float)
+    rows = np.loadtxt(tomllib.loads(text)["runs"].splitlines())
     tilts = np.unique(rows[:, 0])
     return tilts, rows[:, 2:].T.reshape(len(MEASURED), len(tilts), -1)
 
