@@ -15,9 +15,8 @@ import numpy as np
 from impact import Regime, collide, spherocylinder
 from impact._impacts import Impacts
 
-from .style import RESTITUTION_LAWS
+from .style import REGIME_WORDS, RESTITUTION_LAWS
 
-SLIP_REGIMES = (Regime.SLIDE, Regime.SLIP_STICK, Regime.SLIP_REVERSAL)
 DIGITS = 50  # of what errors are measured against
 FIELDS = ("c_x", "c_z", "P_x", "P_z", "omega")
 
@@ -101,7 +100,7 @@ def largest_errors(n: int) -> np.ndarray:
     regime = reference(impacts).regime  # under any law
     for law in RESTITUTION_LAWS:
         error = reference(impacts, law).ulp(impacts.collide(collide, law))
-        found.append([error[regime == one].max() for one in SLIP_REGIMES])
+        found.append([error[regime == one].max() for one in REGIME_WORDS])
     return np.array(found)
 
 
