@@ -61,7 +61,6 @@ LAW_COLOURS = {"newton": THEORY, "poisson": ORANGE, "stronge": SKY}  # of restit
 RESTITUTION_LAWS = tuple(LAW_COLOURS)
 ARROW: Look = {"arrowstyle": "->", "lw": 0.6}
 CENTRED: Look = {"ha": "center", "va": "center"}
-ASIDE: Look = {**CENTRED, "arrowprops": ARROW}
 SHAPES = {"thin": "thin rod", "round": "round tips", "flat": "flat ends"}
 SHAPE_COLOURS = {"thin": THEORY, "round": RIGID, "flat": PURPLE}
 

@@ -15,7 +15,8 @@ from impact import Regime, critical_tilts, drift, thin_rod
 
 from ..lib.style import (
     ANOTHER,
-    ASIDE,
+    ARROW,
+    CENTRED,
     REGIME_COLOURS,
     SIMULATED,
     Data,
@@ -89,7 +90,7 @@ def _end(ax, d, upper: float):
     inset.locator_params(nbins=3)
     place = middle, np.interp(middle, tilt_deg, d["c_x"])
     aside = left + (90 - left) / 3, 0.18 * top
-    inset.annotate("sticks\nagain", place, aside, **ASIDE)
+    inset.annotate("sticks\nagain", place, aside, **CENTRED, arrowprops=ARROW)
     ax.indicate_inset_zoom(inset, edgecolor="0.5", lw=0.6)
 
 
