@@ -18,34 +18,12 @@ from md.kernels.codes import C_Z, COSINE, SINE, X, Z
 from md.measures import standard_error, transient
 from md.scene import Scene
 
+from ..lib.arrangement import departures
+
 LOOKS = 4  # at the row in a period
 WINDOW = 10  # periods that `followed` takes together
 SEEN = "common", "height_spread", "height_order", "tilt_spread", "tilt_order", "tilt_deg", "fallen"
 ENDS_DEG = 3.0, 75.0  # tilts between which `driven` goes
-
-
-def departures(values: np.ndarray) -> tuple[float, float]:
-    """Spread of values around the row's mean, and correlation of neighbours.
-
-    Parameters
-    ----------
-    values : (looks, rods), rods in the order in which they stand; the last is beside the first
-    """
-    off = values - values.mean(axis=-1, keepdims=True)
-    square = (off**2).mean()
-    together = (off * np.roll(off, 1, axis=-1)).mean()
-    return np.sqrt(square), together / max(square, 1e-300)
-
-
-def lower_ends(rods: np.ndarray, half: float) -> np.ndarray:
-    """Heights of the lowest points of rods.
-
-    Parameters
-    ----------
-    rods : (..., rods, columns), state of a row
-    half : length between the caps' centres, halved
-    """
-    return rods[..., Z] - half * np.abs(rods[..., COSINE]) - 0.5
 
 
 def seen(states: np.ndarray, half: float) -> tuple[float, ...]:
@@ -58,7 +36,8 @@ def seen(states: np.ndarray, half: float) -> tuple[float, ...]:
     """
     rise, tilt = states[..., C_Z], np.arctan2(states[..., SINE], states[..., COSINE])
     common = (rise.mean(axis=-1) ** 2).mean() / max((rise**2).mean(), 1e-300)
-    heights, tilts = departures(lower_ends(states, half)), departures(half * tilt)
+    lowest = states[..., Z] - half * np.abs(states[..., COSINE]) - 0.5
+    heights, tilts = departures(lowest), departures(half * tilt)
     fallen = ((tilt < 0) | (tilt > np.pi / 2)).mean()
     return common, *heights, *tilts, np.degrees(tilt.mean()), fallen
 

@@ -1,4 +1,4 @@
-"""How rods are arranged in the gap of an annulus, followed over a run."""
+"""How rods are arranged among each other, in the gap of an annulus followed over a run."""
 
 from typing import Any
 
@@ -22,14 +22,26 @@ def tilts_deg(rods: np.ndarray) -> np.ndarray:
     return np.degrees(np.arctan2(np.hypot(rods[:, 3], rods[:, 4]), np.abs(rods[:, 5])))
 
 
+def departures(values: np.ndarray) -> tuple[float, float]:
+    """Spread of values around their mean, and correlation of neighbours.
+
+    Parameters
+    ----------
+    values : (..., rods), rods in the order in which they stand; the last is beside the first
+    """
+    off = values - values.mean(axis=-1, keepdims=True)
+    square = (off**2).mean()
+    together = (off * np.roll(off, 1, axis=-1)).mean()
+    return np.sqrt(square), together / max(square, 1e-300)
+
+
 def zigzag(rods: np.ndarray) -> float:
     """Order of the zig-zag: 1 if rods stand by turns at either wall, about 0 if at random.
 
     Minus the correlation of neighbours' distances from the axis, in order of azimuth.
     """
-    radius = np.hypot(*in_order(rods)[:, :2].T)
-    off = radius - radius.mean()
-    return -(off * np.roll(off, 1)).mean() / max((off**2).mean(), 1e-300)
+    _, together = departures(np.hypot(*in_order(rods)[:, :2].T))
+    return -together
 
 
 def contrast(tilt: np.ndarray) -> float:
