@@ -121,9 +121,11 @@ def _bouncing(landings: int, speed: float) -> tuple[float, ...]:
 def data(quick: bool = False) -> Data:
     """Answers [sqrt(g d)] with errors and the scatter of one start, seconds, group and label."""
     load, speed = os.getloadavg()[0], md.load("quasi2d").plate_speed
-    entries = [("theory", "(24), $V_0/2$", *_closed(speed, 1), 0)]
-    entries.append(("theory", "in an array", *_closed(speed, 100_000), 0))
-    entries += [("one rigid rod", f"{n} landings", *_bouncing(n, speed), 0) for n in LANDINGS]
+    entries = [
+        ("theory", "(24), $V_0/2$", *_closed(speed, 1), 0),
+        ("theory", "in an array", *_closed(speed, 100_000), 0),
+        *(("one rigid rod", f"{n} landings", *_bouncing(n, speed), 0) for n in LANDINGS),
+    ]
     plan, every = sweeps(quick), rungs(quick)
     means, errors = over_seeds(gathered(plan["rows"], "c_x")[0])
     periods = np.array([how[2] for how in every.values()])

@@ -117,9 +117,11 @@ def data(quick: bool = False) -> Data:
     load, effects = os.getloadavg()[0], rows().values()
     every = variants(effects)
     moving, still = _settled(PRICE_SETTLE[quick])
-    couples, calls = [*map(_ready, every)], []
-    for engine, series in waited(couples, "compiling"):
-        calls.append(_call(engine, series, moving if engine.scene.vibrates else still))
+    couples = [*map(_ready, every)]
+    calls = [
+        _call(engine, series, moving if engine.scene.vibrates else still)
+        for engine, series in waited(couples, "compiling")
+    ]
     times = 1e9 * steady(in_turn(calls, ROUNDS[quick]))
 
     def price(*pair: Variant) -> tuple[float, ...]:
