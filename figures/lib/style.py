@@ -60,6 +60,7 @@ REGIME_WORDS = {
 LAW_COLOURS = {"newton": THEORY, "poisson": ORANGE, "stronge": SKY}  # of restitution
 RESTITUTION_LAWS = tuple(LAW_COLOURS)
 ARROW: Look = {"arrowstyle": "->", "lw": 0.6}
+DOTTED: Look = {"color": BLACK, "lw": 0.8, "ls": ":"}  # a place on an axis that the caption names
 CENTRED: Look = {"ha": "center", "va": "center"}
 SHAPES = {"thin": "thin rod", "round": "round tips", "flat": "flat ends"}
 SHAPE_COLOURS = {"thin": THEORY, "round": RIGID, "flat": PURPLE}

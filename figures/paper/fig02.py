@@ -34,6 +34,7 @@ from ..lib.runs import (
 )
 from ..lib.style import (
     BLACK,
+    DOTTED,
     DRIFTS,
     FORWARD,
     REVERSE,
@@ -220,10 +221,10 @@ def draw(d: Data) -> plt.Figure:
     figure, axes = plt.subplots(2, 3, figsize=(7.0, 5.8), width_ratios=(1.35, 1, 1))
     _rows(axes[0], d)
     _annuli(axes[1], d)
-    axes[0, 0].plot([], [], ":", color=BLACK, lw=0.8, label="the paper's rods begin to move")
+    axes[0, 0].plot([], [], **DOTTED, label="the paper's rods begin to move")
     clear = {axes[0, 1]: (0.25, 1), axes[1, 1]: (0, 0.74)}  # of the legends
     for ax in axes.flat:
-        ax.axvline(ONSET, *clear.get(ax, (0, 1)), color=BLACK, lw=0.8, ls=":")
+        ax.axvline(ONSET, *clear.get(ax, (0, 1)), **DOTTED)
         ax.set_xlabel(r"acceleration $\Gamma$")
     legend_above(figure, axes[0, 0], ncols=3)
     for ax in axes[:, 1:].flat:

@@ -15,7 +15,18 @@ import numpy as np
 from md.scene import from_tables, put
 
 from ..lib.runs import boxes, lone, means, row_of, tilt_plan, tilt_sweeps
-from ..lib.style import BLACK, RIGID, Data, curve, name_panels, note, shades, style, tilt_axis
+from ..lib.style import (
+    BLACK,
+    DOTTED,
+    RIGID,
+    Data,
+    curve,
+    name_panels,
+    note,
+    shades,
+    style,
+    tilt_axis,
+)
 from ..pages import movie
 
 TIP_TILTS_DEG, SHOWN_PERIODS, TRANSIENT, FRAMES = (9, 34), 6, 40, 64  # periods, pictures a period
@@ -71,7 +82,7 @@ def draw(d: Data) -> plt.Figure:
     left_out = "hops < 0.2 periods left out"
     curve(c, d, "tilt_deg", "landing_flight", BLACK, left_out, form="s-", hollow=True)
     c.axhline(1, color="0.5", lw=0.6)
-    c.axvline(CHANGE_DEG, color=BLACK, ls=":", lw=0.8, label="the paper: one period from here")
+    c.axvline(CHANGE_DEG, **DOTTED, label="the paper: one period from here")
     tilt_axis(c, 0, 80, 20)
     top = 1.5 * max(d["lone_flight"].max(), np.nanmax(d["landing_flight"]))
     c.set(ylabel="mean flight (periods)", ylim=(0, top))

@@ -21,6 +21,7 @@ from md.domains import InputError
 from ..lib.runs import FRICTION, GAMMA, LENGTH, RESTITUTION, with_error
 from ..lib.style import (
     BLACK,
+    DOTTED,
     RIGID,
     SKY,
     THEORY,
@@ -137,7 +138,7 @@ def _over_tilt(axes, d):
     c.set(ylabel=r"drift / $V_0$", ylim=(0, 1.45 * d["tilt_drift"].max() or 1))
     for ax in axes:
         tilt_axis(ax, 0, 75)
-        ax.axvline(again, color=BLACK, lw=0.8, ls=":")
+        ax.axvline(again, **DOTTED)
         ax.legend()
     c.legend(loc="upper right")
 
@@ -153,7 +154,7 @@ def _over_gamma(axes, d):
     zero_line(a)
     b.set_ylabel(r"drift / $V_0$")
     zero_line(b)
-    b.axvline(EXPERIMENT, color=BLACK, lw=0.8, ls=":", label="experiment")
+    b.axvline(EXPERIMENT, **DOTTED, label="experiment")
     c.set(ylabel="part of the time at rest", ylim=(-0.02, 1))
     for ax in axes:
         ax.set(xlabel=r"acceleration $\Gamma$", xlim=(0.9, 5.1), xticks=range(1, 6))
