@@ -90,7 +90,7 @@ def record(scene: md.Scene, periods: int = 20, frames: int = 8, progress: bool =
     steps = np.arange(periods * frames * every) * engine.per // (frames * every)
     for step in tqdm(steps.tolist(), unit=" shots", delay=2, disable=None if progress else True):
         onward(engine, step - engine.step, series)
-        states.append(_rolled_out(scene, engine.rods) if scene.annulus else _in_plane(engine.rods))
+        states.append(_places(scene, engine.rods))
         plate.append(engine.plate_height)
     x, z, tilt = np.moveaxis(states, 1, 0)
     if scene.annulus:  # azimuths jump once around
@@ -98,13 +98,10 @@ def record(scene: md.Scene, periods: int = 20, frames: int = 8, progress: bool =
     return Film(scene, steps / engine.per, np.array(plate), x, z, tilt, every)
 
 
-def _in_plane(rods: np.ndarray) -> np.ndarray:
-    """Places x, z [d] and tilts [rad] of rods in a plane, (3, rods)."""
-    return np.array([rods[:, 0], rods[:, 1], np.arctan2(rods[:, 2], rods[:, 3])])
-
-
-def _rolled_out(scene: md.Scene, rods: np.ndarray) -> np.ndarray:
-    """Rods of an annulus rolled out: x along its middle, z [d], tilt along it [rad], (3, rods)."""
+def _places(scene: md.Scene, rods: np.ndarray) -> np.ndarray:
+    """Places x, z [d] and tilts [rad] of rods, (3, rods); in an annulus along its middle."""
+    if not scene.annulus:
+        return np.array([rods[:, 0], rods[:, 1], np.arctan2(rods[:, 2], rods[:, 3])])
     azimuth = np.arctan2(rods[:, 1], rods[:, 0])
     lean = np.cos(azimuth) * rods[:, 4] - np.sin(azimuth) * rods[:, 3]
     return np.array([scene.annulus.middle * azimuth, rods[:, 2], np.arctan2(lean, rods[:, 5])])
