@@ -14,11 +14,10 @@ from matplotlib.colors import BoundaryNorm
 
 from impact import collide, critical_friction, painleve_friction, slide_friction, thin_rod
 
-from ..lib.exact_impacts import Impacts, literal, reference
+from ..lib.exact_impacts import Impacts, Literal, literal, reference
 from ..lib.style import Data, name_panels, style, tilt_axis
 
 ULP_LEVELS = (0, 0.5, 1, 2, 4, 16, 256, 1e4, 1e8, 1e16, 1e21)  # of the colours, ulp
-PRINTED_FIELDS = ("c_x", "c_z")  # what the paper has formulas for
 
 
 def _map(cells: tuple[int, int], samples: int) -> Data:
@@ -35,7 +34,7 @@ def _map(cells: tuple[int, int], samples: int) -> Data:
     true = reference(impacts)
 
     def worst(got):
-        return true.ulp(got, PRINTED_FIELDS).reshape(inside.shape[1:]).max(0)
+        return true.ulp(got, Literal._fields).reshape(inside.shape[1:]).max(0)
 
     return {
         "tilt": tilt,
