@@ -110,20 +110,17 @@ def bump(d: Table) -> float:
     return height / level
 
 
-def _turned(kind: str) -> Callable[[Table], np.ndarray]:
-    return lambda d: -d[f"{kind}c_z_before"] / d[f"{kind}c_z_after"]
+def _turned(d: Table, kind: str = "") -> np.ndarray:
+    return -d[f"{kind}c_z_before"] / d[f"{kind}c_z_after"]
 
 
-def _kept(kind: str) -> Callable[[Table], float]:
-    return lambda d: rms(1 - d[f"{kind}c_x_before"] / d[f"{kind}c_x_after"])
+def _kept(d: Table, kind: str = "") -> float:
+    return rms(1 - d[f"{kind}c_x_before"] / d[f"{kind}c_x_after"])
 
 
 def _off_theory(d: Table) -> float:
     expected = theory(d, d["tilt"])
     return rms(d["c_x"] - expected) / rms(expected)
-
-
-_touches, _landings = _turned(""), _turned("landing_")
 
 
 @measures("S14", "fig08")
@@ -139,12 +136,12 @@ NUMBERS: dict[str, Callable[[Table], Any]] = {  # claim and key, as in claims.to
     "S3.forward": lambda d: np.mean(d["c_x"] > CLEAR * d["c_x_error"]),
     "S10.spin": lambda d: rms(d["omega_before"]) * d["half_length"] / d["speed"],
     "S10.kept": lambda d: rms(d["omega_before"]) / rms(d["omega_after"]),
-    "S10.touches": _kept(""),
-    "S10.landings": _kept("landing_"),
-    "S11.touches": lambda d: rms(1 - _touches(d)),
-    "S11.landings": lambda d: rms(1 - _landings(d)),
-    "S11.smallest": lambda d: _touches(d).min(),
-    "S11.largest": lambda d: _touches(d).max(),
+    "S10.touches": _kept,
+    "S10.landings": lambda d: _kept(d, "landing_"),
+    "S11.touches": lambda d: rms(1 - _turned(d)),
+    "S11.landings": lambda d: rms(1 - _turned(d, "landing_")),
+    "S11.smallest": lambda d: _turned(d).min(),
+    "S11.largest": lambda d: _turned(d).max(),
     "S12.mean": lambda d: d["V_z"].mean(),
     "S12.spread": lambda d: np.ptp(d["V_z"][d["nominal"] >= ONE_STATE_DEG]),
     "S12.by_speed": lambda d: d["V_z_by_speed"].mean(),
