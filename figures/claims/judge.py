@@ -91,11 +91,6 @@ def _judged(claim: dict[str, Any], evidence: Any) -> dict[str, Any]:
     return {**claim, "numbers": rows, "trouble": trouble}
 
 
-def _told(claim: dict[str, Any]) -> str:
-    """Statements with their verdicts, in words."""
-    return "; ".join(f"{r['name']}: {shown(r)} ({r['verdict']})" for r in statements(claim))
-
-
 def judge(quick: bool = False, out: Path | None = None) -> dict[str, Any]:
     """Judge all claims: what was measured, the verdicts, and where they come from.
 
@@ -117,7 +112,8 @@ def judge(quick: bool = False, out: Path | None = None) -> dict[str, Any]:
         bar.set_postfix_str(claim["id"])
         found = _judged(claim, evidence)
         if claim["figure"] in ASSUMED:
-            found["assumed"] = _told(_judged(claim, simple))
+            rows = statements(_judged(claim, simple))
+            found["assumed"] = "; ".join(f"{r['name']}: {shown(r)} ({r['verdict']})" for r in rows)
         judged.append(found)
     made = {
         **machine(),
