@@ -71,8 +71,8 @@ def compared(rows: np.ndarray, scene: md.Scene, dt: float, per: int) -> dict[str
     a_x, a_z, plate = rows[:, touches.A_X], rows[:, touches.A_Z], rows[:, touches.PLATE]
     before = rows[:, touches.BEFORE : touches.BEFORE + 3]
     after = rows[:, touches.AFTER : touches.AFTER + 3]
-    gain, time = after - before, rows[:, touches.DURATION] * dt
-    end = (rows[:, touches.STEP] + rows[:, touches.DURATION]) % per
+    gain, duration = after - before, rows[:, touches.DURATION]
+    time, end = duration * dt, (rows[:, touches.STEP] + duration) % per
     last = scene.plate_speed * np.sin(2 * np.pi * end / per)  # velocity of the plate
     fall = time * (scene.gravity.z if scene.gravity else 0.0)
 
@@ -94,7 +94,7 @@ def compared(rows: np.ndarray, scene: md.Scene, dt: float, per: int) -> dict[str
         "seen": rows[:, touches.REGIME].astype(int),
         "mapped": mapped,
         "restitution": restitution,
-        "duration": rows[:, touches.DURATION] / per,
+        "duration": duration / per,
     }
 
 

@@ -178,9 +178,9 @@ def panel(ax: Axes, d: Data) -> None:
     """Bars of both prices with their errors, and what becomes of the drift at the right."""
     sizes = [len(group) for group in GROUPS.values()]
     y = np.arange(sum(sizes)) + 0.6 * np.repeat(range(len(sizes)), sizes)  # groups apart
-    prices = np.concatenate([d["alone"], d["within"]])
-    longest = max((prices[:, 0] + prices[:, 1]).max(), 0.1)
-    lowest = min((prices[:, 0] - prices[:, 1]).min(), -0.05 * longest)
+    price, error, _ = np.concatenate([d["alone"], d["within"]]).T
+    longest = max((price + error).max(), 0.1)
+    lowest = min((price - error).min(), -0.05 * longest)
     for side, (key, colour, label) in zip((-0.2, 0.2), _LOOKS, strict=True):
         value, error, _ = d[key].T
         thin = {"elinewidth": 0.7}

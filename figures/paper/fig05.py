@@ -88,7 +88,8 @@ def draw(d: Data) -> plt.Figure:
     counts = d["shown"]
     states = [d[f"rods_{n}"] for n in counts]
     tilts = [tilts_deg(in_order(rods)) for rods in states]
-    norm = plt.Normalize(0, np.ceil(max(tilt.max() for tilt in tilts) / 5) * 5)
+    largest = max(tilt.max() for tilt in tilts)
+    norm = plt.Normalize(0, np.ceil(largest / 5) * 5)
     lines, _ = (_from_above(ax, d, rods, norm) for ax, rods in zip((a, b), states, strict=True))
     figure.colorbar(lines, ax=[a, b], label=r"tilt $\phi$ (deg)", pad=0.02, aspect=30)
     beside, share = c.twinx(), f"share {MORE_DEG:g}° beyond the mean"
@@ -106,7 +107,7 @@ def draw(d: Data) -> plt.Figure:
         e.plot(np.arange(n) / n, tilt, "o-", ms=2.5, lw=0.6, color=colour, label=rf"$N={n}$")
         e.axhline(tilt.mean(), color=colour, lw=0.6, ls=":")
     e.set(xlabel="place around the annulus", ylabel=r"tilt $\phi$ (deg)", xlim=(0, 1))
-    e.set_ylim(0, 1.3 * max(tilt.max() for tilt in tilts))
+    e.set_ylim(0, 1.3 * largest)
     e.legend(loc="upper right", ncols=2)
     shown = zip(counts, tilts, strict=True)
     titles = (rf"$N={n}$, mean tilt {tilt.mean():.0f}°" for n, tilt in shown)
