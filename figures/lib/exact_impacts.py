@@ -80,7 +80,7 @@ def reference(impacts: Impacts, law: str = "newton") -> Reference:
     (|X P_z| + |Z P_x|)/k^2.
     """
     n = impacts.c_x.size
-    regime, high, low = np.empty(n, np.int8), np.empty((5, n)), np.empty((5, n))
+    regime, (high, low) = np.empty(n, np.int8), np.empty((2, 5, n))
     with mpmath.workdps(DIGITS):
         for i, row in enumerate(zip(*(column.tolist() for column in impacts), strict=True)):
             regime[i], values = exact([mpmath.mpf(value) for value in row], law)

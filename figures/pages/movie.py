@@ -174,23 +174,24 @@ class Picture:
     def show(self, picture: int) -> None:
         """Draw picture number `picture`."""
         film, i = self.film, picture * self.film.every
+        time = film.time[i]
         axes, number = segments(film, i)
         self.rods.set_segments(axes)
         self.rods.set_color(np.where(number == self.marked, RED, PALE))
         self.trail.set_segments(self._path(i))
         unit = "periods" if film.scene.vibrates else r"$\sqrt{d/g}$"
-        words = [f"t = {film.time[i]:5.1f} {unit}", f"tilt {np.degrees(film.tilt[i].mean()):.1f}°"]
+        words = [f"t = {time:5.1f} {unit}", f"tilt {np.degrees(film.tilt[i].mean()):.1f}°"]
         if i:
             moved = (film.x[i] - film.x[0]).mean()
-            seconds = film.time[i] / film.scene.frequency
+            seconds = time / film.scene.frequency
             words.append(f"drift {moved / seconds * film.scene.cm_per_s:+.1f} cm/s")
             words.append(f"moved {moved:+.2f} d")
         self.words.set_text("    ".join(words))
         if film.scene.plate:
             self.plate.set_height(film.plate[i] - self.plate.get_y())
-            middle = max(film.time[i], WINDOW / 2)
+            middle = max(time, WINDOW / 2)
             self.trace.set_xlim(middle - WINDOW / 2, middle + WINDOW / 2)
-            self.now.set_xdata([film.time[i]] * 2)
+            self.now.set_xdata([time] * 2)
 
     def _path(self, i: int) -> list[np.ndarray]:
         """Path of the centre of the marked rod, cut where the box ends."""
