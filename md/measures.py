@@ -32,13 +32,14 @@ def phase_at(time: Any) -> Any:
 def wedged_periods(scene: Scene) -> float:
     """Periods without a new touch after which a rod counts as wedged: 20 flights from V_0.
 
-    On a plate that cannot throw rods, with less acceleration than gravity, none does. In annuli of
+    On a plate that cannot throw rods, with less acceleration than gravity, or without a pull
+    towards it, none does. In annuli of
     23 to 56 rods, rods that do not wedge touch again within 6 such flights; of 54 rods that wedged,
     46 never did.
     """
     gamma = scene.plate.acceleration if scene.plate else 0.0
     pull = -scene.gravity.z if scene.gravity else 0.0
-    return 20 * max(gamma / pi, 1.0) if gamma > pull else inf
+    return 20 * max(gamma / (pi * pull), 1.0) if gamma > pull > 0 else inf
 
 
 def quantities(rows: np.ndarray, per: int, speed: float) -> dict[str, Any]:
@@ -147,14 +148,17 @@ class Tables:
         are zeros in an annulus, where they are not counted.
         """
         engine, rows, length = self.engine, self.series.rows[:periods], self.engine.dt * self.per
-        tilt_deg = np.degrees(rows[:, codes.TILT_SUM] / rows[:, codes.SAMPLED])
         if self.annulus is not None:
             drift = rows[:, codes.ADVANCE] * self.annulus.middle / length
-            return drift, tilt_deg, np.zeros(periods)
+            tilt = rows[:, codes.TILT_SUM] / rows[:, codes.SAMPLED]
+            return drift, np.degrees(tilt), np.zeros(periods)
+        twice = rows[:, codes.TILT_COSINE] + 1j * rows[:, codes.TILT_SINE]
+        mean = np.angle(twice.sum())  # rods have no head: tilts are within 90 degrees of their mean
+        tilt = (mean + np.angle(twice * np.exp(-1j * mean))) / 2
         places = self.series.rows[: periods + 1, codes.MEAN_X].copy()
         if engine.step == periods * self.per:  # the next period's first sample is not yet made
             places[-1] = engine.rods[:, codes.X].mean()
-        return np.diff(places) / length, tilt_deg, rows[:, codes.FELL].copy()
+        return np.diff(places) / length, np.degrees(tilt), rows[:, codes.FELL].copy()
 
     def error(self, series: np.ndarray) -> float:
         """Standard error of the mean of a series with one value a period; nan in an annulus."""
@@ -200,7 +204,10 @@ class Tables:
         """Quotients of two sums over all periods, and standard errors; these nan in an annulus."""
         part = dict(zip(SUMS, self.sums[first:last, kind].T, strict=True))
         part["rods"] = np.full(last - first, self.engine.scene.rods.count)
-        pairs = names | {"per_rod_and_period": ("count", "rods")}
+        going = self.under_way[np.isfinite(self.under_way[:, columns.FLIGHT]), columns.STEP]
+        begun = np.bincount(going.astype(int) // self.per, minlength=last)[first:last]
+        part["begun"] = part["count"] + kind * begun  # of landings also those that go on
+        pairs = names | {"per_rod_and_period": ("begun", "rods")}
         found = {name: ratio(part[top], part[base]) for name, (top, base) in pairs.items()}
         return {
             name: {"mean": mean, "stderr": nan if self.annulus else stderr}
@@ -265,13 +272,17 @@ def trend(series: np.ndarray) -> float:
     """How far a series is from a stationary one; nan below `FEWEST` values.
 
     Cramer and von Mises' statistic of its partial sums, which are a Brownian bridge if it is
-    stationary, with the standard error from its second half (Heidelberger and Welch, 1983). Above
-    `TREND` are 1 to 2 % of stationary series, up to 6 % of short ones with a memory of ten values.
+    stationary, with the standard error from its second half (Heidelberger and Welch, 1983), below
+    200 values from what a straight line leaves of it. Above `TREND` are 1 to 2 % of stationary
+    series, up to 6 % of those of 320 values with a memory of ten, 25 % of those below 200.
     """
     n = len(series)
     if n < FEWEST:
         return nan
     late = series[-max(n // 2, FEWEST) :]
+    if n < 2 * FEWEST:  # nearly all of it: a trend would pass for scatter
+        time = np.arange(len(late))
+        late = late - np.polyval(np.polyfit(time, late, 1), time)
     error = standard_error(late) * sqrt(len(late) / n)
     bridge = np.cumsum(series - np.mean(series)) / (n * max(error, _ROUNDING))
     return float(np.mean(bridge**2))

@@ -472,6 +472,15 @@ def test_each_part_of_the_ledger_is_what_the_closed_form_says():
     assert engine.rods[0, X] == pytest.approx(0.1**2 / (2 * 0.3), abs=0.1 * 1e-4 * 2)
 
 
+def test_the_mean_tilt_of_rods_that_lie_is_horizontal():
+    """A rod has no head: 89 and -89 degrees are next to each other, also from period to period."""
+    lying = "rods.count=1", "box.length=20", "start.tilt_deg=90", "plate.acceleration=5"
+    result = md.run(row(*lying), periods=30)
+    assert result.fell > 3
+    assert np.ptp(result.tilt_series) < 30
+    assert abs(result.tilt_deg) == pytest.approx(90, abs=10)
+
+
 def test_falls_are_counted():
     """A rod that spins freely once around passes the horizontal twice."""
     per = 4000

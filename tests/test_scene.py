@@ -5,6 +5,7 @@ from math import cos, pi
 
 import pytest
 
+from md.domains import InputError
 from md.host import step_of
 from md.scene import GAP, SCENES, as_dict, load
 
@@ -18,6 +19,13 @@ def test_a_scene_may_begin_with_a_byte_order_mark(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text((SCENES / "my_rods.toml").read_text(), encoding="utf-8-sig")
     assert load(path) == load("my_rods")
+
+
+def test_a_file_of_too_many_brackets_is_refused(tmp_path):
+    path = tmp_path / "deep.toml"
+    path.write_text("rods = " + 3000 * "[")
+    with pytest.raises(InputError, match=r"deep.*: maximum recursion"):
+        load(path)
 
 
 def test_an_assignment_takes_what_python_writes():

@@ -98,6 +98,19 @@ def test_stationary_series_have_no_trend(memory, alarms, n):
     assert never <= 0.3 * alarms + 0.005
 
 
+@pytest.mark.parametrize("n", [104, 130, 160, 199])
+def test_a_trend_of_a_short_series_is_seen(n):
+    """A straight line, alone or of ten standard deviations of what scatters about it."""
+    random, line = default_rng(n), np.linspace(0, 10, n)
+    assert trend(line) > TREND
+    for memory, alarms in (0.0, 0.02), (0.5, 0.05), (0.9, 0.25):
+        series = [autoregressive(random, n, memory) for _ in range(200)]
+        rising = [one + line / np.sqrt(1 - memory**2) for one in series]
+        assert np.mean([trend(one) > TREND for one in rising]) > 0.95
+        found = np.mean([trend(one) > TREND for one in series])
+        assert found <= alarms + 2 * np.sqrt(alarms / 200)
+
+
 @pytest.mark.parametrize("memory", [0.0, 0.9])
 def test_a_transient_is_left_out(memory):
     """Of an exponential one with a decay time of a fifth less is left than the error."""

@@ -10,7 +10,7 @@ from md.host import plate_motion, prepare
 from md.kernels import touches as columns
 from md.kernels.codes import C_X, C_Z, COSINE, OMEGA, ROW_VELOCITY, SINE, WATCH_TOUCHED, Z
 from md.kernels.contact import Friction
-from md.measures import Tables, merged
+from md.measures import HOP, Tables, merged
 
 from .rows import HALF, PLANE, go, in_plane, recorded, ring, row, started
 
@@ -199,6 +199,10 @@ def test_records_have_the_means_and_phases_of_the_run(made, kind):
     assert part.sizes[along] > 40
     wanted = {name: value["mean"] for name, value in getattr(result, kind).items()}
     means = {name: part[name].mean() for name in part if name in wanted}
+    each, least = md.records.touches(rows, result), HOP if kind == "landings" else -1
+    begun = ((each.time >= result.discarded) & (each.flight > least)).sum()
+    counted = result.scene.rods.count * (result.periods - result.discarded)
+    means["per_rod_and_period"] = begun / counted
     means["flight_periods"] = part["flight"].mean()
     means["plate_velocity"] = part["plate_velocity"].mean() / speed
     if kind == "touches":

@@ -36,10 +36,12 @@ LEDGER_COLUMNS = 5
 WALL_NORMAL, WALL_FRICTION = 5, 6  # in an annulus alone
 ANNULUS_LEDGER = 7
 
-# Columns of the series, one row per period: of both arrangements, of a row, of an annulus.
-TILT_SUM, SAMPLED = 0, 1  # sum over samples of the mean tilt, rad; number of samples
+# Columns of the series of a row, one row per period.
+TILT_SINE, TILT_COSINE = 0, 1  # sums over rods and samples of sin and cos of twice the tilt
 MEAN_X, FELL = 2, 3  # mean x at the start; times that a rod fell past the horizontal
 ROW_SERIES = 4
+# The same of an annulus.
+TILT_SUM, SAMPLED = 0, 1  # sum over samples of the mean tilt, rad; number of samples
 ADVANCE = 2  # sum over samples of mean advance about the axis, rad
 ANNULUS_SERIES = 3
 

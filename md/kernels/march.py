@@ -10,7 +10,7 @@ An effect is an argument that may be `None`; each has one function, which then d
 which Numba compiles to nothing. The guide to a new effect is in `md.kernels`.
 """
 
-from math import acos, atan, atan2, pi, sqrt
+from math import acos, atan2, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -29,6 +29,8 @@ from .codes import (
     PLATE_NORMAL,
     PLATE_WORK,
     SAMPLED,
+    TILT_COSINE,
+    TILT_SINE,
     TILT_SUM,
     TOO_DEEP,
     TOO_FAST,
@@ -81,17 +83,17 @@ class Watchers(NamedTuple):
 @kernel(inline=False)
 def sample_row(series, rods, row, start):
     """Add a sample of a row to its series; `start`: whether it is the first of a period."""
-    n, x, tilt, rows = rods.shape[0], 0.0, 0.0, series.rows
+    n, x, rows = rods.shape[0], 0.0, series.rows
     for i in range(n):
         sine, cosine = rod_of(IN_PLANE, rods, i).director
         x += rods[i, 0]
-        tilt += atan(sine / cosine) if cosine != 0.0 else np.pi / 2  # a rod has no head
+        rows[row, TILT_SINE] += 2.0 * sine * cosine
+        rows[row, TILT_COSINE] += cosine * cosine - sine * sine
         if cosine * series.last[i] < 0:
             rows[row, FELL] += 1
         series.last[i] = cosine
     if start:
         rows[row, MEAN_X] = x / n
-    rows[row, TILT_SUM] += tilt / n
 
 
 @kernel(inline=False)
@@ -107,6 +109,7 @@ def sample_annulus(series, rods, row):
         tilt += acos(min(abs(director[2]), 1.0))  # a rod has no head
     rows[row, ADVANCE] += advance / n
     rows[row, TILT_SUM] += tilt / n
+    rows[row, SAMPLED] += 1
 
 
 @kernel
@@ -120,7 +123,6 @@ def sample(series, up, rods, step):
             sample_row(series, rods, row, part == 0)
         else:
             sample_annulus(series, rods, row)
-        series.rows[row, SAMPLED] += 1
 
 
 # The plate
