@@ -6,6 +6,7 @@ What is heavy is imported within the commands: help and list need no Numba and n
 import json
 import os
 from contextlib import AbstractContextManager
+from math import isfinite
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -120,7 +121,7 @@ def draw(
     check(names)
     own = {key: value for key, value in given.items() if value is not None}
     for key, value in own.items():
-        if value != value or (key == "friction" and value < 0):
+        if isinstance(value, float) and not (value >= 0 if key == "friction" else isfinite(value)):
             raise InputError(f"{key} must be a number >= 0, got {value:g}")
         if data:
             raise InputError(f"{key} has no meaning with --data, which computes nothing")

@@ -3,6 +3,7 @@
 import shutil
 
 import numpy as np
+import pytest
 from matplotlib.figure import Figure
 from numpy.testing import assert_allclose, assert_array_equal
 
@@ -117,12 +118,16 @@ def test_quick_pictures_say_so_and_full_ones_do_not(tmp_path, monkeypatch):
     assert all(words.endswith("$); quick; values not the paper's") for words in written[-4:])
 
 
-def test_a_figure_is_drawn_from_the_data_of_a_folder(tmp_path):
+@pytest.mark.parametrize("name", ["fig10", "fig11"])
+def test_a_figure_is_drawn_from_the_data_of_a_folder(tmp_path, name):
     """Of whatever sources; nothing is computed, the data are not written again."""
-    out = tmp_path / "out"
-    np.savez(tmp_path / "fig10.npz", **fig10.data(quick=True))
-    enter("figures draw fig10 --data", tmp_path, "--out", out)
-    assert names_in(out) == {"fig10.png", "fig10.pdf"}
+    out, data = tmp_path / "out", tmp_path / f"{name}.npz"
+    np.savez(data, **figures.load(name).data(quick=True))
+    enter(f"figures draw {name} --data", tmp_path, "--out", out)
+    assert names_in(out) == {f"{name}.png", f"{name}.pdf"}
+    data.write_bytes(b"no data")
+    said = enter(f"figures draw {name} --data", tmp_path, "--out", out, code=2).err
+    assert f"{name}.npz holds no data of a figure" in said
 
 
 # Runs

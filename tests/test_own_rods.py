@@ -10,11 +10,12 @@ import pytest
 from numpy.testing import assert_array_equal
 
 import figures
+import impact
 from figures.claims import over_tilt, own_rods
 from figures.lib import runs
 from figures.lib.data import kept_data, stored_data
 from figures.paper import fig04
-from impact import drift
+from impact import bouncing, drift
 from md.scene import SCENES
 
 from .command_line import ROOT, enter, python
@@ -102,6 +103,32 @@ def test_a_figure_of_the_row_shows_ones_own_rods(mine):
     d = figures.load("fig08").data(quick=True, scene=str(mine))
     assert "mine: 5 rods" in str(d["words"])
     assert "plate/rods" not in str(d["words"])  # the law of the figures
+
+
+def test_the_rigid_rod_of_ones_own_falls_under_its_own_gravity(mine, monkeypatch):
+    """Its flights, in periods, go as the plate's acceleration over gravity's."""
+    usual, seen = bouncing.bounce, []
+    monkeypatch.setattr(
+        bouncing, "bounce", lambda *a, **how: seen.append(how["gamma"]) or usual(*a, **how)
+    )
+    mine.write_text(SCENE.replace("gravity = {}", "gravity = { z = -0.25 }"))
+    runs.lone(True, str(mine))
+    assert {*seen} == {3 / 0.25}
+    mine.write_text(SCENE.replace("gravity = {}", "gravity = { x = 0.1 }"))
+    with pytest.raises(impact.InputError, match="gravity across the plate alone"):
+        runs.lone(True, str(mine))
+
+
+def test_what_a_figure_of_annuli_varies_is_its_own(tmp_path):
+    """Rods that roll and walls at rest are beside rods that do not, between walls that shake."""
+    path = tmp_path / "rolling.toml"
+    text = (SCENES / "annulus.toml").read_text().replace("shaken = true", "shaken = false")
+    path.write_text(text.replace("rolling = false", "rolling = true"))
+    own = fig04.sweeps(True, scene=str(path))
+    rolls = {name: {p.scene.rods.rolling for p in own[name].points} for name in own}
+    shakes = {name: {p.scene.annulus.shaken for p in own[name].points} for name in own}
+    assert (rolls["still"], rolls["rolling"]) == ({False}, {True})
+    assert (shakes["gamma"], shakes["rest"]) == ({True}, {False})
 
 
 def test_annuli_of_ones_own_hold_as_many_more_rods_as_they_are_wider(tmp_path):

@@ -26,7 +26,7 @@ from scipy.optimize import brentq
 import md
 from impact import ContactGeometry, collide, thin_rod
 from md.kernels import touches
-from md.measures import AFTER, BEFORE, HOP, merged
+from md.measures import HOP, VELOCITIES, merged
 from md.scene import from_tables
 from md.sweep import Sweep
 
@@ -82,10 +82,9 @@ STEPS = {  # in order; each keeps what the ones before replaced
     "spin": r"$\omega$",
     "restitution": r"$\epsilon$",
 }
-SIDES = BEFORE + AFTER
-VELOCITIES = ("V_z", *SIDES)  # means over touches, and over landings
+NAMES = ("V_z", *VELOCITIES)  # means over touches, and over landings
 LANDED = "landing_"  # before these names
-MEANS = ("restitution", *VELOCITIES, *(f"{LANDED}{name}" for name in VELOCITIES))
+MEANS = ("restitution", *NAMES, *(f"{LANDED}{name}" for name in NAMES))
 
 
 def mean_drift(
@@ -148,14 +147,14 @@ def measures(rows: np.ndarray) -> dict[str, float]:
 
     Returns
     -------
-    Velocities before and after (`SIDES`), V_z of the plate, the restitution of touches in which
-    nobody pushes (of all, if there are fewer than `ENOUGH`).
+    Velocities before and after, V_z of the plate, the restitution of touches in which nobody pushes
+    (of all, if there are fewer than `ENOUGH`).
     """
     rows = rows[np.isfinite(rows[:, touches.FLIGHT])]
     alone = rows[rows[:, touches.PUSHED] == 0]
     mean, among = rows.mean(axis=0), alone if len(alone) >= ENOUGH else rows
     return {
-        **dict(zip(SIDES, mean[touches.BEFORE : touches.PLATE].tolist(), strict=True)),
+        **dict(zip(VELOCITIES, mean[touches.BEFORE : touches.PLATE].tolist(), strict=True)),
         "V_z": mean[touches.PLATE],
         "restitution": -among[:, touches.LEAVING].sum() / among[:, touches.APPROACH].sum(),
     }
@@ -169,7 +168,7 @@ def balanced(scene: md.Scene, periods: int) -> dict[str, Any]:
     landed = measures(landings)
     return {
         **measures(rows),
-        **{f"{LANDED}{name}": landed[name] for name in VELOCITIES},
+        **{f"{LANDED}{name}": landed[name] for name in NAMES},
         **{name: getattr(result, name) for name in DRIFT_AND_TILT},
     }
 
@@ -215,7 +214,7 @@ def closures_of(of: dict[str, np.ndarray], kind: str = "") -> dict[str, np.ndarr
     of : the means by name
     kind : `LANDED`: over landings, whose restitution is the one that is assumed; else over touches
     """
-    mean = {name: of[f"{kind}{name}"] for name in VELOCITIES}
+    mean = {name: of[f"{kind}{name}"] for name in NAMES}
     assumed = np.full_like(mean["V_z"], RESTITUTION)
     return {
         "V_z": mean["V_z"],

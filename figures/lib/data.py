@@ -19,6 +19,7 @@ from zipfile import BadZipFile
 
 import numpy as np
 
+from impact import InputError
 from md.cache import code_of
 
 from .. import FIGURES, load
@@ -136,8 +137,12 @@ def stored_data(name: str, quick: bool, out: Path) -> dict[str, np.ndarray] | No
 
 def kept_data(name: str, folder: Path) -> dict[str, np.ndarray]:
     """Data of a figure that lie in a folder as NAME.npz, of whatever sources and size."""
-    with np.load(folder / f"{name}.npz") as stored:
-        return {key: stored[key] for key in stored if key != "provenance"}
+    path = folder / f"{name}.npz"
+    try:
+        with path.open("rb") as file, np.load(file) as stored:
+            return {key: stored[key] for key in stored if key != "provenance"}
+    except BROKEN as error:
+        raise InputError(f"{path} holds no data of a figure: {error}") from None
 
 
 def figure_data(name: str, quick: bool = False, out: Path | None = None) -> dict[str, np.ndarray]:

@@ -303,11 +303,14 @@ def lone(quick: bool, scene: str | None = None) -> tuple[np.ndarray, list["Bounc
     from impact.bouncing import bounce  # compiles
 
     row, tilt_deg = row_of(scene), np.arange(0, 76, 5 if quick else 2.5)
+    gravity = row.scene.gravity
+    if gravity is None or gravity.x or gravity.z >= 0:
+        raise InputError(f"scene must have gravity across the plate alone, got {gravity}")
     rods, landings = (20, 150) if quick else (100, 600)
     return tilt_deg, [
         bounce(
             row.rod(np.radians(deg)),
-            gamma=row.gamma,
+            gamma=row.gamma / -gravity.z,
             **row.setting,
             landings=landings,
             rods=rods,

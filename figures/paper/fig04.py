@@ -16,6 +16,7 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 
+from md.scene import put
 from md.sweep import Sweep
 
 from ..claims.uncertainty import bend
@@ -99,7 +100,8 @@ def sweeps(
     of = annulus_of(scene)
     for name in ("count", "rolling", "rest"):
         size[name] = of.counts(size[name])
-    base, row = (SIMPLE_ANNULUS, SIMPLE_ROW) if assumed else (of.tables, ROW)
+    as_one_piece = put(of.tables, {"rods.rolling": False, "annulus.shaken": True})
+    base, row = (SIMPLE_ANNULUS, SIMPLE_ROW) if assumed else (as_one_piece, ROW)
     few, periods = starts(FEW), size["periods"]
     seeds = FEW if assumed else size["starts"]
     gamma, gamma_periods = {"plate.acceleration": size["gamma"]}, size["gamma_periods"]

@@ -105,6 +105,6 @@ def draw(d: Data) -> plt.Figure:
         _end(ax, d, critical_deg(d)[-1])
     legend_above(figure, ax, ncols=2)
     setting = rf"$\epsilon={d['restitution']:g}$, friction $\mu={d['friction']:g}$"
-    undetermined = "; without friction no drift is determined" * (d["friction"] == 0)
+    undetermined = "; without friction no drift is determined" * bool(d["friction"] == 0)
     note(figure, f"thin rod, restitution {setting}{undetermined}")
     return figure
