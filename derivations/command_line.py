@@ -3,6 +3,7 @@
 The same file stands in `derivations`, `figures` and `md`.
 """
 
+import io
 import os
 import signal
 import sys
@@ -79,6 +80,9 @@ class Commands(click.Group):
         os.environ["MPLBACKEND"] = "agg"  # pictures go to files, whatever a notebook has set
         try:
             handle(interrupt)
+            sys.stderr = sys.stderr or io.StringIO()  # closed: not to standard output
+            if sys.stdout:
+                sys.stdout.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
             code = self.main()
             handle(signal.SIG_IGN)  # what is left takes a moment
         except KeyboardInterrupt:  # at the first or the last moment

@@ -79,7 +79,7 @@ def contact_velocity(lever: Lever) -> sp.Matrix:
 
 @derived(r"\dot v_x", r"\dot v_z")
 def contact_acceleration(f_x: sp.Expr, f_z: sp.Expr, lever: Lever, inertia: sp.Expr) -> sp.Matrix:
-    r"""Acceleration there: the centre's, with weight, plus $\dot\omega$, $\omega^2$ times these."""
+    r"""Acceleration there: that of the centre plus $\dot\omega$, $\omega^2$ times these."""
     along, up = velocity_change(f_x, r"\dot c_x"), velocity_change(f_z - m * g, r"\dot c_z")
     say("Against the plate", r"\dot c_z - \dot V_z", up - plate_rate)
     spin_rate = spin_change(f_x, f_z, lever, inertia, r"\dot\omega")

@@ -299,8 +299,8 @@ def mean_plate_velocity(
     density : function of the phase theta in [0, 2 pi), rad, with theta = 0 where the plate moves
         up fastest; not negative; need not be normalised
     plate_speed : V_0, the plate's largest velocity
-    points : nodes of the periodic midpoint rule, which is exact for trigonometric densities and
-        converges as points^-1 where the density jumps
+    points : nodes of the periodic midpoint rule, at least 3; n of them are exact for
+        trigonometric densities up to the degree n - 2; converges as 1/n where the density jumps
 
     Returns
     -------
@@ -309,9 +309,9 @@ def mean_plate_velocity(
     Raises
     ------
     ValueError
-        If the density is negative, not finite, or zero everywhere, or `points` < 1.
+        If the density is negative, not finite, or zero everywhere, or `points` < 3.
     """
-    nodes = count("points", points, 1)
+    nodes = count("points", points, 3)
     phase = 2 * np.pi * (np.arange(nodes) + 0.5) / nodes
     weight = np.broadcast_to(real_array("density", density(phase)), phase.shape)
     if not np.all(np.isfinite(weight)) or weight.min() < 0 or weight.max() == 0:

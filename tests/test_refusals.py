@@ -5,6 +5,7 @@
 import json
 import os
 import socket
+import sys
 from contextlib import chdir
 from functools import partial
 from math import inf, nan
@@ -23,7 +24,7 @@ from md.placement import largest_tilt, placed
 from md.store import Store, table, write_csv
 from md.sweep import execute, expand
 
-from .command_line import enter, read_toml, refused
+from .command_line import ROOT, called, enter, python, read_toml, refused
 from .test_help import ALL
 from .test_store import database, filled
 
@@ -123,3 +124,14 @@ def test_what_a_command_wrote_it_may_replace(folder):
     assert Path("to").is_symlink()
     assert len(Path("b.csv").read_text().splitlines()) == 2
     assert not list(folder.glob("*.part*"))
+
+
+def test_errors_keep_off_standard_output_where_standard_error_is_closed():
+    said = called("sh", "-c", f"{sys.executable} -m md run nowhere 2>&-", cwd=ROOT)
+    assert (said.returncode, said.stdout) == (2, "")
+
+
+def test_what_a_terminal_has_no_letter_for_is_spelled():
+    said = python("-m figures list", PYTHONIOENCODING="ascii")
+    assert said.returncode == 0
+    assert r"Painlev\xe9" in said.stdout
