@@ -194,15 +194,17 @@ def window(up, rods, reach):
 
 
 @kernel
-def apart_by(centre, other, gap, box):
+def apart_by(centre, other, gap, period):
     """Vector from the second centre or its image to the first, and that image in periods.
 
-    `gap`: difference of the sorting coordinates; `box`: their period.
+    `gap`: difference of the sorting coordinates.
     """
     apart = along(centre, -1.0, other)
-    if len(centre) == 2:
-        return (-gap, apart[1]), int(np.floor((gap + apart[0]) / box + 0.5))
-    return apart, 0
+    if len(centre) == 3:
+        return apart, 0
+    if period is None:
+        return (-gap, apart[1]), 0
+    return (-gap, apart[1]), int(np.floor((gap + apart[0]) / period + 0.5))
 
 
 @kernel(inline=False)
@@ -229,7 +231,7 @@ def pair_up(up, rods, half, period, order, place, found):
                 break
             x, y = vector(rods, i, 0, up), vector(rods, j, 0, up)
             a, b = vector(rods, i, len(x), up), vector(rods, j, len(x), up)
-            apart, shift = apart_by(x, y, gap, box)
+            apart, shift = apart_by(x, y, gap, period)
             axes = Axes(apart, a, b)
             if dot(apart, apart) >= reach * reach or nearest(axes, half) >= (1 + SKIN) ** 2:
                 continue
