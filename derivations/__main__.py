@@ -79,7 +79,7 @@ def main(context: click.Context) -> int | None:
 def _leave_signals() -> None:
     """Signals of the group are for the process that waits for this one, and ends it.
 
-    The pool of a worker that another one has ended waits for ever.
+    A pool whose worker has been ended by others may never end.
     """
     os.setpgrp()
     signal.signal(signal.SIGTERM, signal.SIG_DFL)

@@ -122,7 +122,8 @@ def draw(
     own = {key: value for key, value in given.items() if value is not None}
     for key, value in own.items():
         if isinstance(value, float) and not (value >= 0 if key == "friction" else isfinite(value)):
-            raise InputError(f"{key} must be a number >= 0, got {value:g}")
+            domain = "a number >= 0" if key == "friction" else "finite"
+            raise InputError(f"{key} must be {domain}, got {value:g}")
         if data:
             raise InputError(f"{key} has no meaning with --data, which computes nothing")
         takes = [name for name, entry in FIGURES.items() if key in entry.own]

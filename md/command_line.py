@@ -81,8 +81,8 @@ class Commands(click.Group):
         try:
             handle(interrupt)
             sys.stderr = sys.stderr or io.StringIO()  # closed: not to standard output
-            if sys.stdout:
-                sys.stdout.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
+            if isinstance(sys.stdout, io.TextIOWrapper):
+                sys.stdout.reconfigure(errors="backslashreplace")
             code = self.main()
             handle(signal.SIG_IGN)  # what is left takes a moment
         except KeyboardInterrupt:  # at the first or the last moment

@@ -32,10 +32,9 @@ def phase_at(time: Any) -> Any:
 def wedged_periods(scene: Scene) -> float:
     """Periods without a new touch after which a rod counts as wedged: 20 flights from V_0.
 
-    On a plate that cannot throw rods, with less acceleration than gravity, or without a pull
-    towards it, none does. In annuli of
-    23 to 56 rods, rods that do not wedge touch again within 6 such flights; of 54 rods that wedged,
-    46 never did.
+    No rod wedges where the plate has less acceleration than gravity, or gravity does not point to
+    it. In annuli of 23 to 56 rods, rods that do not wedge touch again within 6 such flights; of 54
+    rods that wedged, 46 never did.
     """
     gamma = scene.plate.acceleration if scene.plate else 0.0
     pull = -scene.gravity.z if scene.gravity else 0.0
@@ -206,7 +205,7 @@ class Tables:
         part["rods"] = np.full(last - first, self.engine.scene.rods.count)
         going = self.under_way[np.isfinite(self.under_way[:, columns.FLIGHT]), columns.STEP]
         begun = np.bincount(going.astype(int) // self.per, minlength=last)[first:last]
-        part["begun"] = part["count"] + kind * begun  # of landings also those that go on
+        part["begun"] = part["count"] + kind * begun  # landings under way count too
         pairs = names | {"per_rod_and_period": ("begun", "rods")}
         found = {name: ratio(part[top], part[base]) for name, (top, base) in pairs.items()}
         return {
@@ -274,7 +273,7 @@ def trend(series: np.ndarray) -> float:
     Cramer and von Mises' statistic of its partial sums, which are a Brownian bridge if it is
     stationary, with the standard error from its second half (Heidelberger and Welch, 1983), below
     200 values from what a straight line leaves of it. Above `TREND` are 1 to 2 % of stationary
-    series, up to 6 % of those of 320 values with a memory of ten, 25 % of those below 200.
+    series; of series with a memory of ten values 6 % at 320 values and up to 25 % below 200.
     """
     n = len(series)
     if n < FEWEST:

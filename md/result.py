@@ -72,7 +72,8 @@ class Result:
 
     scene : scene of the run
     c_x, tilt_deg : means over rods and over the periods behind the transient; in an annulus c_x is
-        the velocity around it at its middle radius, and tilts have no sign
+        the velocity around it at its middle radius, and tilts have no sign; in a row tilts are
+        means of axes, half the angle of the sum of unit vectors at twice the tilt
     c_x_stderr, tilt_stderr_deg : their standard errors, as `measures.standard_error`; nan where
         one run cannot tell: below 124 periods, and in an annulus, where starts differ
     periods : number of periods that were made
@@ -85,7 +86,8 @@ class Result:
         which no flight comes before, of each quantity of `measures.MEANS`, and touches per rod and
         period; None without a plate
     landings : the same for the quantities of `measures.OF_LANDINGS`, touches less than
-        `measures.HOP` periods apart merged into one landing; None without a plate
+        `measures.HOP` periods apart merged into one landing; of those that are not over the number
+        alone is counted; None without a plate
     fell : times that a rod fell past the horizontal; None in an annulus
     wedged : share of the rods that are wedged between the walls at the end; None in a row
     phases : touches behind the transient in each of 64 equal parts of the plate's cycle, which

@@ -475,8 +475,10 @@ def expand(tables: Mapping, base: Mapping, folder: Path = Path()) -> Search:
     ranges = held("parameters", tables.get("parameters", []), list)
     parameters = tuple(_parameter(f"parameters[{i}]", table) for i, table in enumerate(ranges))
     names = [parameter.name for parameter in parameters]
-    if not names or len({*names, "misfit"}) <= len(names):
-        raise InputError(f"parameters need names, all different and not misfit, got {names}")
+    if not names:
+        raise InputError("parameters must be one or more, got none")
+    if len({*names, "misfit"}) <= len(names):  # the misfit is a column beside them
+        raise InputError(f"parameters must have different names other than misfit, got {names}")
     common = changes_of("set", tables.get("set", {}))
     keys = ["start.seed", *(key for parameter in parameters for key in parameter.keys)]
     others = {*common, *(key for target in targets for key in target.place)}

@@ -116,7 +116,7 @@ def test_axial_inertia():
 def test_a_wedged_ring_is_reported(gravity, gamma, drop, share):
     """Rods that keep off the plate for 20 flights from V_0, here as they fall for longer.
 
-    Flights last longer under less gravity, and for ever without.
+    Flights last longer under less gravity, and do not end without.
     """
     changes = f"gravity.z={gravity}", f"start.drop={drop}", "start.speed=0"
     result = md.run(ring(*changes, f"plate.acceleration={gamma}"), periods=24)

@@ -286,7 +286,7 @@ def test_the_command_writes_the_page_and_the_figures(tmp_path):
     of the command runs in small sizes.
     """
     first, *others = PRICED
-    full = data(first) | {"load": np.float64(1e4)}
+    full = data(first) | {"load": np.float64(1e4), "machine": "another machine"}
     keep(tmp_path / f"{first}.npz", first, False, full)
     kept = (tmp_path / f"{first}.npz").read_bytes()
     with tiny() as patch:
@@ -304,7 +304,7 @@ def test_the_command_writes_the_page_and_the_figures(tmp_path):
     for word in (*titles, "alone[0]", "within[0]", "row[0]", "sweep[0]"):
         assert word in words
     text = (tmp_path / "prices.json").read_text("utf-8")
-    assert "load 10000.0" in text
+    assert "another machine; load 10000.0" in text
     numbers = json.loads(text)
     alone = data("effect_prices")["alone"][:, :2].tolist()
     assert [effect["alone"] for effect in numbers["effects"]] == alone

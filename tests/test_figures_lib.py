@@ -1,6 +1,7 @@
 """Commands of the figures and their files: what is kept, printed, and never replaced."""
 
 import shutil
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -116,6 +117,11 @@ def test_quick_pictures_say_so_and_full_ones_do_not(tmp_path, monkeypatch):
     drawing.produce("fig10", tmp_path, True, own={"friction": 0.2, "length": 3.0})
     drawing.produce("fig10", tmp_path, False, kept=tmp_path)
     assert all(words.endswith("$); quick; values not the paper's") for words in written[-4:])
+
+
+def test_a_disk_that_is_full_is_told(tmp_path, monkeypatch):
+    monkeypatch.setattr(Figure, "savefig", Mock(side_effect=OSError(28, "No space left")))
+    assert "No space left" in enter("figures draw fig10 --quick --out", tmp_path, code=2).err
 
 
 @pytest.mark.parametrize("name", ["fig10", "fig11"])

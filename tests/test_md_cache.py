@@ -181,9 +181,10 @@ def test_an_inlined_kernel_is_compiled_without_an_entry_until_python_calls_it(
 
 def test_arithmetic_is_that_of_ieee():
     """No kernel is compiled with `fastmath`, which would reorder sums and drop nan and -0."""
-    from md.kernels import contact, single
+    from impact import compiled
+    from md.kernels import batch, contact, march, pairs, single, surfaces
 
-    modules = vars(contact), vars(single)
+    modules = map(vars, (compiled, batch, contact, march, pairs, single, surfaces))
     kernels = [x for names in modules for x in names.values() if hasattr(x, "targetoptions")]
     assert len(kernels) > 20
     for kernel in kernels:

@@ -1,7 +1,9 @@
 """The report: complete, well-formed, self-contained, and of the same value as what was derived."""
 
+import os
 import re
 from dataclasses import replace
+from multiprocessing import Pool
 from xml.etree import ElementTree
 
 import numpy as np
@@ -12,6 +14,7 @@ from matplotlib.text import Annotation
 from sympy.core.relational import Relational
 
 from derivations import (
+    __main__,
     closed_forms,
     drawings,
     lecture,
@@ -359,3 +362,9 @@ def test_every_section_with_equations_has_its_text(source):
         assert name in whole or name in report.ABOUT
     for name, year in re.findall(r"(\w+) \(?(\d{4})\)", whole):
         assert any(name in x and f"({year})" in x for x in lecture.REFERENCES)
+
+
+def test_processes_that_prove_are_in_groups_of_their_own():
+    """A signal to the group of the command, which ends it, would leave its pool without workers."""
+    with Pool(1, __main__._leave_signals) as pool:
+        assert pool.apply(os.getpgrp) != os.getpgrp()

@@ -167,7 +167,10 @@ def test_rods_that_fall_over_ever_more_often_have_not_settled():
 
 @pytest.mark.parametrize(("slope", "periods"), [(0, 124), (0, 123), (1, 124), (1, 200)])
 def test_a_run_says_whether_its_drift_trends(slope, periods):
-    """Without a tolerance it does, behind a fifth, if there are 100 periods; in JSON and a line."""
+    """Without a tolerance it does, behind a fifth, if there are 100 periods; in JSON and a line.
+
+    The seed is of a noise without alarm, as two in a hundred have one.
+    """
     noise = 0.01 * default_rng(8).normal(size=periods)
     result = md.run(row(), periods=2)
     series = noise + slope * np.linspace(0, 1, periods)

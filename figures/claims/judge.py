@@ -29,7 +29,7 @@ NO_DATA = (md.RunError, np.linalg.LinAlgError)  # a run has failed; a fit throug
 
 
 def measure(claim: str, evidence: Any) -> dict[str, Number]:
-    """Numbers of a claim by key: those of the row over tilt, and those that `MEASURES` names.
+    """Numbers of a claim by key: of the row over tilt, and of its function in `MEASURES`.
 
     Parameters
     ----------

@@ -34,6 +34,7 @@ def measures(claim: str, figure: str = "") -> Callable[[Callable], Callable]:
     """
 
     def register(function: Callable) -> Callable:
+        assert claim not in MEASURES
         MEASURES[claim] = function, figure
         return function
 

@@ -10,7 +10,6 @@ it took, scene by scene. Crosses: the error that the runs of the row then had. T
 the prices of fixed steps; times are of this machine, without compiling.
 """
 
-import os
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -25,7 +24,7 @@ from md.sweep import Point, Sweep
 
 from ..lib.runs import ROW, computed, gathered, measured_by, nearest
 from ..lib.style import BLACK, BLUE, GREEN, RED, Data, Look, log_log, note, painted, shades, style
-from ..lib.timing import seconds_per_period
+from ..lib.timing import measured_here, seconds_per_period
 from .accuracy_cost_impact import PAPER_STEP
 
 PER_CONTACT = (16, 20, 26, 40, 80)  # and the paper's
@@ -99,7 +98,7 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
 
 def data(quick: bool = False) -> Data:
     """Long runs at several steps, prices of a period, runs to a tolerance."""
-    load, planned, dt = os.getloadavg()[0], sweeps(quick), np.array(steps())
+    here, planned, dt = measured_here(), sweeps(quick), np.array(steps())
     seconds = seconds_per_period([_scene(size) for size in dt])
     mean, error, made, of_parts = gathered(planned["long"], "mean", "error", "made", "parts")
     n = steps_per_contact(md.load("quasi2d"), 1.0) / dt
@@ -108,7 +107,7 @@ def data(quick: bool = False) -> Data:
     names = "run_seconds", "accuracy.per_contact", "c_x", "periods"
     spent, per_contact, c_x, periods = gathered(computed(planned["asked"], workers=1), *names)
     return {
-        "load": load,
+        **here,
         "per_contact": n,
         "dt": dt,
         "seconds": seconds,

@@ -9,7 +9,6 @@ order 5/4 is the most there is. The error of the model, a finite stiffness, adds
 `rigid_limit`.
 """
 
-import os
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from math import cos
@@ -25,7 +24,7 @@ from md.laws import contact_time, effects_of
 
 from ..lib.soft_impacts import APPROACH_RATIO, IMPACT_FRICTION, ROD, TABLE_TILTS, one_impact
 from ..lib.style import BLACK, BLUE, GREEN, ORANGE, Data, log_log, name_panels, note, style
-from ..lib.timing import machine_line, medians
+from ..lib.timing import machine_line, measured_here, medians
 
 LAW = md.coulomb()
 TILTS_OF_REGIMES = np.radians([10, 25, 40, 65, 83, 87])  # two tilts in each regime
@@ -121,7 +120,7 @@ def gear_from_leapfrog() -> list[float]:
 
 def data(quick: bool = False) -> Data:
     """Errors and prices; a step is 1/`parts` of a head-on contact time."""
-    runs, load = 3 if quick else 9, os.getloadavg()[0]
+    runs, here = 3 if quick else 9, measured_here()
     parts = 10.0 * (4 ** np.arange(6) if quick else 2 ** np.arange(14))
     tolerances = 10.0 ** -np.arange(3, 14, 2 if quick else 1)
     true, near = (velocities(integrator="dop853", tolerance=t)[0] for t in (1e-14, 1e-13))
@@ -142,7 +141,7 @@ def data(quick: bool = False) -> Data:
         "tolerance": tolerances,
         **adaptive(tolerances, true, runs),
         "offsets": OFFSETS,
-        "load": load,
+        **here,
     }
 
 
@@ -178,5 +177,5 @@ def draw(d: Data) -> plt.Figure:
     time.legend(loc="lower left", bbox_to_anchor=(0, 0.28))
     time.set(xlabel="time per impact (µs)", xlim=(0.1, 1e5))
     name_panels((steps, time), ("over the step", "over the time"))
-    note(figure, machine_line(d["load"]))
+    note(figure, machine_line(d))
     return figure

@@ -10,8 +10,6 @@ trusted answer, long runs of many starts of the same law with a fine step, linea
 deviation the symbol is open. The time at the right is that of one start.
 """
 
-import os
-
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
@@ -37,7 +35,7 @@ from ..lib.runs import (
     paper_rod,
 )
 from ..lib.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, RIGID, THEORY, Data, note, style
-from ..lib.timing import medians, repeated, seconds_per_period
+from ..lib.timing import measured_here, medians, repeated, seconds_per_period
 
 PRINTED = both(law="appendix_a", restitution="none")
 CONSTRAINT = {"contacts.plate.law": "coulomb"}
@@ -120,7 +118,7 @@ def _bouncing(landings: int, speed: float) -> tuple[float, ...]:
 
 def data(quick: bool = False) -> Data:
     """Answers [sqrt(g d)] with errors and the scatter of one start, seconds, group and label."""
-    load, speed = os.getloadavg()[0], md.load("quasi2d").plate_speed
+    here, speed = measured_here(), md.load("quasi2d").plate_speed
     entries = [
         ("theory", "(24), $V_0/2$", *_closed(speed, 1), 0),
         ("theory", "in an array", *_closed(speed, 100_000), 0),
@@ -137,7 +135,7 @@ def data(quick: bool = False) -> Data:
     names = "group", "label", "answer", "error", "scatter", "seconds", "periods"
     columns = map(np.array, zip(*entries, strict=True))
     return {
-        "load": load,
+        **here,
         **dict(zip(names, columns, strict=True)),
         "trusted": np.array([truth, spread, spent.sum()]),
     }

@@ -5,8 +5,6 @@ relative to the largest velocity that takes part. Vertical line: the bytes in an
 copied once. "As printed": the paper's formulas, mistakes corrected.
 """
 
-import os
-
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -14,7 +12,7 @@ from impact import collide
 
 from ..lib.exact_impacts import FIELDS, Impacts, literal, random_impacts, reference
 from ..lib.style import BLACK, BLUE, RED, Data, log_log, note, style
-from ..lib.timing import machine_line, medians, repeated
+from ..lib.timing import machine_line, measured_here, medians, repeated
 
 TIMED_RUNS = 7
 WAYS = (  # label, colour, marker
@@ -28,7 +26,7 @@ def data(quick: bool = False) -> Data:
     """Seconds per impact, largest and median error, over `WAYS`."""
     from impact import compiled
 
-    load = os.getloadavg()[0]
+    here = measured_here()
     n, checked = (100_000, 1_000) if quick else (1_000_000, 20_000)
     impacts = random_impacts(n, seed=5)
     calls = [  # of `WAYS`
@@ -51,7 +49,7 @@ def data(quick: bool = False) -> Data:
         "seconds": np.array(seconds) / n,
         "error": np.array(errors).T,
         "memory_seconds": copy / n,
-        "load": load,
+        **here,
     }
 
 
@@ -72,5 +70,5 @@ def draw(d: Data) -> plt.Figure:
     log_log(ax, xlim=(2, 1e4), ylim=(1e-18, 1e5))
     ax.set(xlabel="time per impact (ns)", ylabel="relative error")
     figure.legend(loc="outside right center", title="filled: largest error\nopen: median")
-    note(figure, machine_line(d["load"]))
+    note(figure, machine_line(d))
     return figure

@@ -11,7 +11,6 @@ Drift: that of the changed scene less that of the full one, over seeds. Without 
 or contacts of rods no row is left to drift; what only measures does not change the rods by a bit.
 """
 
-import os
 from collections.abc import Callable
 from math import ceil
 from time import perf_counter
@@ -29,7 +28,7 @@ from md.sweep import Sweep
 
 from ..lib.runs import SIMPLE_ROW, means, planned, starts
 from ..lib.style import BLUE, ORANGE, Data, note, style
-from ..lib.timing import estimate, in_turn, machine_line, onward, steady, waited
+from ..lib.timing import estimate, in_turn, machine_line, measured_here, onward, steady, waited
 from .scene_variants import BARE, FULL, GROUPS, STEP_SIZE, Effect, Variant, variants
 
 Place = tuple[dict[str, np.ndarray], int]  # all that changes in a run, and the number of its step
@@ -114,7 +113,7 @@ def _drifts(quick: bool) -> np.ndarray:
 
 def data(quick: bool = False) -> Data:
     """Prices in ns per step of a rod, (value, error, interquartile range) of each row."""
-    load, effects = os.getloadavg()[0], rows().values()
+    here, effects = measured_here(), rows().values()
     every = variants(effects)
     moving, still = _settled(PRICE_SETTLE[quick])
     couples = [*map(_ready, every)]
@@ -148,7 +147,7 @@ def data(quick: bool = False) -> Data:
         "drift": _drifts(quick),
         "same_rods": np.array([alike(effect, after) for effect in effects], float),
         "same_kernel": np.array([alike(effect, _kernel) for effect in effects], float),
-        "load": load,
+        **here,
     }
 
 
@@ -213,5 +212,5 @@ def draw(d: Data) -> plt.Figure:
     figure, ax = plt.subplots(figsize=(7.0, 7.0))
     panel(ax, d)
     words = "errors of the median; drift −: no row is left without it"
-    note(figure, f"{words}; {machine_line(d['load'])}")
+    note(figure, f"{words}; {machine_line(d)}")
     return figure

@@ -27,11 +27,6 @@ HEIGHTS = 6.2, 6.2, 2.9  # inches
 Found = Mapping[str, Mapping[str, np.ndarray]]  # data of the figures in `PRICE_PANELS`, by name
 
 
-def _machine(found: Found) -> str:
-    """The machine, and the largest load under which one of the figures was measured."""
-    return machine_line(max(d["load"] for d in found.values()))
-
-
 @style
 def draw(found: Found) -> plt.Figure:
     """Main panels of the figures of prices, from their data."""
@@ -39,7 +34,7 @@ def draw(found: Found) -> plt.Figure:
     for name, ax in axes.items():
         load(name).panel(ax, found[name])
     name_panels(axes.values(), map(PRICE_PANELS.get, axes))
-    note(figure, _machine(found))
+    note(figure, machine_line(*found.values()))
     return figure
 
 
@@ -67,7 +62,7 @@ def numbers(found: Found) -> dict[str, Any]:
     gain = rods["sweep"][0, 0] / rods["sweep"][:, 0]
     largest = exact_impacts.largest_errors(CHECKED)
     return {
-        "machine": _machine(found),
+        "machine": machine_line(*found.values()),
         "ladder": _rows((*ways, "deviation", "error", "scatter"), *answers),
         "tolerance": accuracy_cost_drift.runs(found["accuracy_cost_drift"]),
         "effects": _rows(("name", "alone", "within", "drift"), effect_prices.rows(), *prices),

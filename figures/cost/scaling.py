@@ -26,7 +26,7 @@ from md.sweep import execute
 
 from ..lib.runs import SIMPLE_ROW, planned, starts
 from ..lib.style import BLACK, BLUE, Data, log_log, note, painted, style
-from ..lib.timing import estimate, in_turn, machine_line, onward, steady, waited
+from ..lib.timing import estimate, in_turn, machine_line, measured_here, onward, steady, waited
 
 ROW_SIZES = (10, 20, 40, 80, 160, 320, 640, 1250, 2500, 5000)  # a third of them if quick
 LEAST = 320  # rods a sample is about, with one period each
@@ -89,7 +89,7 @@ def _estimates(samples: np.ndarray) -> np.ndarray:
 
 def data(quick: bool = False) -> Data:
     """Times in ns per step of a rod, (value, error, interquartile range)."""
-    load = os.getloadavg()[0]
+    here = measured_here()
     counts = ROW_SIZES[:: 3 if quick else 1]
     rows = [_periods(count, SCALING_SETTLE[quick]) for count in waited(counts, "settling", "row")]
     by_count = in_turn(rows, SCALING_ROUNDS[quick])
@@ -102,7 +102,7 @@ def data(quick: bool = False) -> Data:
         "steps_per_period": np.int64(prepare(_row(40)).per),
         "workers": workers,
         "sweep": _estimates(in_turn(sweeps, REPEATS[quick])),
-        "load": load,
+        **here,
     }
 
 
@@ -148,5 +148,5 @@ def _draw_cores(ax, d):
 def draw(d: Data) -> plt.Figure:
     panels = {"a period": panel, "many runs": _draw_cores}
     figure = painted(d, panels, figsize=(7.0, 2.7))
-    note(figure, machine_line(d["load"]))
+    note(figure, machine_line(d))
     return figure

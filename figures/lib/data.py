@@ -141,7 +141,7 @@ def kept_data(name: str, folder: Path) -> dict[str, np.ndarray]:
     try:
         with path.open("rb") as file, np.load(file) as stored:
             return {key: stored[key] for key in stored if key != "provenance"}
-    except BROKEN as error:
+    except (*BROKEN, TypeError) as error:  # TypeError: a single array
         raise InputError(f"{path} holds no data of a figure: {error}") from None
 
 

@@ -81,7 +81,7 @@ def _tried(name: str, *how: Any) -> Drawn:
     except Exception as error:
         foreseen = isinstance(error, OSError) or hasattr(error, "exit_code")
         why = str(error) if foreseen else traceback.format_exc().rstrip()
-        return Drawn(name, failure=why, code=getattr(error, "exit_code", 1))
+        return Drawn(name, failure=why, code=getattr(error, "exit_code", 2 if foreseen else 1))
 
 
 def _in_a_process(store: Path, *how: Any) -> Drawn:

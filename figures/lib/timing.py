@@ -10,7 +10,7 @@ cent; this is no part of the errors.
 
 import os
 import platform
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from time import thread_time
 from timeit import timeit
@@ -140,10 +140,15 @@ def machine() -> dict[str, Any]:
     }
 
 
-def machine_line(load: float) -> str:
-    """Words for the machine: processor, cores, load at the start, versions."""
+def measured_here() -> dict[str, Any]:
+    """Words for this machine, and its load: they stand among the data that are measured on it."""
     this = machine()
-    return (
-        f"{this['processor']}, {this['cores']} cores, load {load:.1f} at the start; python"
-        f" {this['python']}, numpy {this['numpy']}, numba {this['numba']}"
-    )
+    words = f"{this['processor']}, {this['cores']} cores; python {this['python']}"
+    words += f", numpy {this['numpy']}, numba {this['numba']}"
+    return {"machine": words, "load": os.getloadavg()[0]}
+
+
+def machine_line(*data: Mapping[str, Any]) -> str:
+    """Words for the machines on which data were measured, and for the largest load at a start."""
+    machines = sorted({str(d["machine"]) for d in data})
+    return f"{'; '.join(machines)}; load {max(d['load'] for d in data):.1f} at the start"

@@ -9,6 +9,8 @@ the experiment's annulus, where the number of rods sets the tilt; arrows in (d):
 weighted by the speed of approach, up where positive. The row has no walls and no curvature.
 """
 
+from functools import partial
+
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import TwoSlopeNorm
@@ -86,7 +88,7 @@ def _lone(gamma: np.ndarray, tilt: np.ndarray, quick: bool) -> tuple[np.ndarray,
 
     rods, landings, transient = (20, 60, 100) if quick else (60, 300, 150)
 
-    @np.vectorize
+    @partial(np.vectorize, otypes=[float, float])
     def run(gamma, tilt):
         found = bounce(
             spherocylinder(tilt, LENGTH),

@@ -100,8 +100,8 @@ def sweeps(
     of = annulus_of(scene)
     for name in ("count", "rolling", "rest"):
         size[name] = of.counts(size[name])
-    as_one_piece = put(of.tables, {"rods.rolling": False, "annulus.shaken": True})
-    base, row = (SIMPLE_ANNULUS, SIMPLE_ROW) if assumed else (as_one_piece, ROW)
+    plain = put(of.tables, {"rods.rolling": False, "annulus.shaken": True})
+    base, row = (SIMPLE_ANNULUS, SIMPLE_ROW) if assumed else (plain, ROW)
     few, periods = starts(FEW), size["periods"]
     seeds = FEW if assumed else size["starts"]
     gamma, gamma_periods = {"plate.acceleration": size["gamma"]}, size["gamma_periods"]

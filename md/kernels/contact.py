@@ -123,7 +123,7 @@ class Slip(NamedTuple):
 
 
 class Force(NamedTuple):
-    """Forces of a contact on its first body in a step, and what they lose."""
+    """Outcome of a contact in a step; the forces in `kept` act on its first body."""
 
     kept: Kept  # forces and new spring
     rate: float  # sqrt(g d), at which the contact opens (+) or closes (-) at the step
