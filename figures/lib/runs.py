@@ -14,7 +14,7 @@ The number of rods sets the tilt.
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -300,6 +300,12 @@ def paper_rod(tilt: float | np.ndarray, length: float = LENGTH) -> ContactGeomet
 
 def lone(quick: bool, scene: str | None = None) -> tuple[np.ndarray, list["Bouncing"]]:
     """Tilts [deg], and `bounce` there: one rigid rod at fixed tilt, the theory without closure."""
+    return _lone(quick, scene, row_of(scene).scene.digest())
+
+
+@cache
+def _lone(quick: bool, scene: str | None, _: str) -> tuple[np.ndarray, list["Bouncing"]]:
+    """Result of `lone`, kept by the digest of the scene: its file may be edited meanwhile."""
     from impact.bouncing import bounce  # compiles
 
     row, tilt_deg = row_of(scene), np.arange(0, 76, 5 if quick else 2.5)
