@@ -50,7 +50,7 @@ from .laws import Rod, contact_time, effects_of, friction_of, largest_step
 from .placement import placed
 from .scene import GAP, Annulus, Contact, Scene, as_dict, flat
 
-STEPS_PER_CONTACT = 48  # at twice the plate's peak velocity
+STEPS_PER_CONTACT = 24  # at twice the plate's peak velocity
 _MOST_STEPS = 10**7  # of a period
 CALL_SECONDS = 0.02  # duration of a call of the kernel, for which a signal may have to wait
 _MOST_A_CALL = 500_000  # steps times rods; a flight says little about the contact behind it
@@ -97,7 +97,8 @@ def stable_step(scene: Scene) -> tuple[float, float]:
             continue
         friction, key = contact.friction > 0 and not coarse, f"contacts.{name}."
         load = speed, along, across, "verlet", caps
-        limit = largest_step(contact.law, friction, *load, late=late, key=key)
+        rods = name == "rods"
+        limit = largest_step(contact.law, friction, *load, late=late, rods=rods, key=key)
         found.append((limit, contact_time(contact.law, speed)))
     limits, times = zip(*found or [(np.inf, 0.05)], strict=True)
     return min(limits), min(times)

@@ -31,10 +31,11 @@ from scipy.optimize import brentq
 
 from .domains import InputError, Part, held, not_negative, number, positive
 from .kernels.codes import DEEP
-from .kernels.contact import PHASE, Friction, Normal, Spring
+from .kernels.contact import Friction, Normal, Spring
 from .kernels.state import Effects, Motion
 
 STIFFNESS = 5e6  # k_n of Appendix A in m g/d^(3/2)
+_MOST_DAMPING = 1e100  # beyond it numbers overflow
 _STIFFNESSES = "normal.stiffness", "spring.proportional", "spring.root"  # more than zero
 
 
@@ -52,7 +53,7 @@ class Law(Part):
     Raises
     ------
     ValueError
-        If a stiffness is not > 0 and finite, a dashpot not >= 0 and finite, the restitution not
+        If a stiffness is not > 0 and finite, a dashpot not 0 to 1e100, the restitution not
         between 0 and 1, or a spring without stiffness.
     TypeError
         If a part is of the wrong type.
@@ -74,7 +75,10 @@ class Law(Part):
         numbers |= {f"spring.{k}": v for k, v in spring._asdict().items()} if spring else {}
         for name, value in numbers.items():
             if value is not None or name == "normal.stiffness":
-                (positive if name in _STIFFNESSES else not_negative)(name, value)
+                if name in _STIFFNESSES:
+                    positive(name, value)
+                else:
+                    number(name, value, 0.0, _MOST_DAMPING)
 
 
 def head_on_restitution(damping_ratio: float) -> float:
@@ -157,11 +161,11 @@ def constant_restitution(
         contact is plastic, without force while it opens; not between rods
     stiffness : k_n, in m g/d^(3/2)
     tangential_ratio : tangential stiffness over k_n sqrt(overlap), > 0
-    tangential_damping : ratio to the critical one of the contact's tangential mass, >= 0
+    tangential_damping : ratio to the critical one of the contact's tangential mass, 0 to 1e100
     """
     normal = _normal(restitution, stiffness)
     ratio = positive("tangential_ratio", tangential_ratio)
-    damping = not_negative("tangential_damping", tangential_damping)
+    damping = number("tangential_damping", tangential_damping, 0.0, _MOST_DAMPING)
     spring = Spring(root=ratio * normal.stiffness, damping_ratio=damping or None)
     return Law("constant_restitution", normal, spring, float(restitution))
 
@@ -203,7 +207,7 @@ def contact_time(law: Law, speed: float) -> float:
     return 2.943275 * deepest_overlap(law, speed) / speed
 
 
-# (a, b) of the stability limit K dt^2 + a C dt = b, K stiffness and C dashpot constant, per mass.
+# (a, b) of the stability limit K_n dt^2 + a C_n dt = b, stiffness and dashpot constant per mass.
 _STABLE = {"leapfrog": (2.0, 4.0), "verlet": (4.0, 4.0), "gear": (4.0, 0.64)}
 
 
@@ -217,17 +221,23 @@ def largest_step(
     caps: int = 1,
     *,
     late: int | None = None,
+    rods: bool = False,
     key: str = "",
 ) -> float:
     """Largest stable step for an impact at this speed, in sqrt(d/g).
 
-    With stiffness K and dashpot C of the contact per mass, at the deepest overlap, a step is stable
-    up to K dt^2 + 2 C dt = 4 under leapfrog and K dt^2 + 4 C dt = 0.64 under Gear's method (which,
-    without any dashpot, still gains 1e-3 in amplitude a step there). Verlet's method solves for the
-    dashpots and part of the tangential spring of a contact. Of n contacts that see each other a
-    step late, it only extrapolates those of the others: with P = `kernels.contact.PHASE` a step is
-    stable up to K_n dt^2 + (1 + P - 2 P/n) K_t dt^2 + 4 (1 - 1/n) C dt = 4. Normal and tangential
-    parts are added, which is exact without a tangential spring and on the safe side with one.
+    With stiffness K_n and dashpot C_n of the normal force per mass, at the deepest overlap, a step
+    is stable up to K_n dt^2 + 2 C_n dt = 4 under leapfrog and K_n dt^2 + 4 C_n dt = 0.64 under
+    Gear's method (which, without any dashpot, still gains 1e-3 in amplitude a step there). Verlet's
+    method solves for the dashpots of a contact. Of n contacts that see each other a step late, it
+    only extrapolates those of the others: K_n dt^2 + 4 (1 - 1/n) C_n dt = 4. Friction adds
+
+    - 1.1 K_t dt^2 over a plate, whose dashpots are solved for,
+    - (19/16 - 11/(32 n)) K_t dt^2 + 4 (1 - 1/n) C_t dt of n contacts with a wall,
+    - 8/3 K_t dt^2 + C_t dt of up to four contacts of rods, each solved for three alike,
+    - K_t dt^2 + C_t dt under Gear's method,
+
+    each right or on the safe side for contacts that slip alike.
 
     Parameters
     ----------
@@ -239,6 +249,7 @@ def largest_step(
     caps : how many are pressed at once; several push and turn the rod together
     late : n, number of contacts that see each other a step late; None: caps over a plate, where
         only the lower one sees the other late, as 4/3 contacts would
+    rods : whether the contacts are of rods with each other
     key : of the contact in a scene, with a dot at its end, for messages
 
     Raises
@@ -246,27 +257,32 @@ def largest_step(
     ValueError
         If the contact is too soft.
     """
-    normal, d, others, part = law.normal, deepest_overlap(law, speed), 1.0, 1.0
+    normal, d, others, part, rubs = law.normal, deepest_overlap(law, speed), 1.0, 1.1, 0.0
     if not d < DEEP / 2:
         soft = f"{key}stiffness {normal.stiffness:g} is too soft for an impact at {speed:.3g}"
         raise InputError(f"{soft}: overlap {d:.2g} d")
-    if method == "verlet":
-        own = 1 / late if late else 3 / (2 + caps)
-        others, part = 1 - own, 1 + PHASE - 2 * PHASE * own
+    if method == "gear":
+        part, rubs = 1.0, 1.0
+    elif method == "verlet":
+        others = 1 - (1 / late if late else 3 / (2 + caps))
+        if rods:
+            part, rubs = 8 / 3, 1.0
+        elif late:
+            part, rubs = 19 / 16 - 11 / (32 * late), 4 * others
     light = 1 + across if caps == 1 else 2 * max(1.0, across)
     stiff = 1.5 * normal.stiffness * sqrt(d) * light
     dash = (normal.quarter or 0.0) * sqrt(sqrt(d) / (1 + across)) * light
     dash += ((normal.proportional or 0.0) * d + (normal.constant or 0.0)) * light
+    a, b = _STABLE[method]
+    dash *= a * others
     if friction and law.spring is not None:
         spring, light = law.spring, caps * (1 + along)
         k = (spring.proportional or 0.0) * d + (spring.root or 0.0) * sqrt(d)
         stiff += part * k * light
         rubbing = (spring.proportional_dashpot or 0.0) * d + (spring.constant_dashpot or 0.0)
-        dash += rubbing * light
-        dash += 2 * (spring.damping_ratio or 0.0) * sqrt(k / (1 + along)) * light
-    a, b = _STABLE[method]
-    dash *= others * a / 2
-    return b / (dash + sqrt(dash * dash + b * stiff))
+        rubbing += 2 * (spring.damping_ratio or 0.0) * sqrt(k / (1 + along))
+        dash += rubs * rubbing * light
+    return 2 * b / (dash + sqrt(dash * dash + 4 * b * stiff))
 
 
 Length = Annotated[float, 1.0, 1000.0]  # d

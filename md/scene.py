@@ -168,7 +168,7 @@ class Start(Part):
 class Step(Part):
     """Time step.
 
-    size : in sqrt(d/g); None: 48 a contact at twice the plate's peak velocity, more if these are
+    size : in sqrt(d/g); None: 24 a contact at twice the plate's peak velocity, more if these are
         not stable
     coarse : allow steps too long for the tangential springs, whose force then chatters within
         mu F_n, up to the limit of the normal force (what it does to the drift: `md.accuracy`)

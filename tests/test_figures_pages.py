@@ -260,7 +260,7 @@ def test_hard_cases_are_where_it_says():
 @pytest.fixture(scope="module")
 def film():
     """Fast rods in a short box: each of them passes its end."""
-    settings = ["rods.count=5", "box.length=7", "step.size=none", "plate.acceleration=6"]
+    settings = ["rods.count=5", "box.length=7", "step.size=none", "plate.acceleration=8"]
     laws = ["contacts.plate.tangential_ratio=5", "contacts.rods.tangential_ratio=5"]
     return movie.record(md.load("quasi2d", settings + laws), periods=45, frames=2)
 

@@ -239,10 +239,10 @@ def test_a_list_that_is_full_grows():
         listed=neighbours.nothing_listed(len(small.rods), 1, True, False),
         scratch=small.state.scratch._replace(found=np.zeros((1, 3), np.int64)),
     )
-    go(small, 400)
+    go(small, 200)
     assert np.any(small.state.listed.springs)
     small._grow()
-    go(small, 400), go(usual, 800)
+    go(small, 200), go(usual, 400)
     assert small.state.listed.index.shape[1] > 4
     same(small, usual)
 

@@ -34,7 +34,7 @@ COUNT, LENGTH, GAMMA, FRICTION, RESTITUTION = 40, 9.5, 3.3, 0.3, 0.65  # of Figs
 SETTING: dict[str, Any] = {"friction": FRICTION, "restitution": RESTITUTION}  # of the theory
 BOX = 43.0  # length of the box where the tilt is not varied
 BOX_TILT = np.arccos(COUNT / BOX)  # rad
-_COARSE = {"step.size": 1.2e-4, "step.coarse": True}  # a fiftieth of a contact
+_COARSE = {"step.size": 2.4e-4, "step.coarse": True}  # a 25th of a contact
 PARTS = "plate", "rods"
 
 

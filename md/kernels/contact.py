@@ -23,7 +23,10 @@ from typing import NamedTuple
 from ..cache import kernel
 from .vectors import across, along, dot, nothing, spread, swing, times, torque
 
-PHASE = 1 / 3  # part of a spring's change in a step that its force sees (`spring_friction`)
+HALVED = 0.5, 0.5**0.5, 0.5**0.25  # what is left of `powers` at half the overlap
+EARLIER = 1 / 32  # with which springs without dashpots keep their energy (`spring_friction`)
+ALIKE = 3  # contacts of a rod that count as one; with three, one is stable and so are four
+LEAST = 1e-30  # d; at a smaller overlap a tangential element is as at this one
 
 
 class Normal(NamedTuple):
@@ -113,13 +116,29 @@ class Meeting(NamedTuple):
     now: tuple  # sqrt(g d); velocity for explicit dashpots
 
 
-class Slip(NamedTuple):
-    """Motion of a contact with its normal force of the step and without its friction."""
+class Before(NamedTuple):
+    """State of a contact a step before; of a new one, halfway from its touch to the step."""
 
-    velocity: tuple  # sqrt(g d), at the step
-    drive: tuple  # g; acceleration of the velocity
+    overlap: float  # d
+    force: float  # F_n, m g
     since: float  # sqrt(d/g); part of the last step since the touch
-    implicit: float  # sqrt(d/g); time for which friction acts on `velocity`
+
+
+class Slip(NamedTuple):
+    """Slip of a contact, and its acceleration."""
+
+    half: tuple  # sqrt(g d); half a step before
+    gain: tuple  # g; a step before, as far as known
+    drive: tuple  # g; at the step, without the friction of this contact
+    alike: tuple  # g; at the step, without that of `ALIKE` such contacts
+
+
+class Element(NamedTuple):
+    """Tangential element of a contact at one overlap, under one normal force."""
+
+    stiffness: float  # k, m g/d
+    lag: float  # sqrt(d/g); g/k, the time in which the spring relaxes as the slider gives way
+    reach: float  # d; mu F_n/k, the spring that alone carries the limit
 
 
 class Force(NamedTuple):
@@ -137,19 +156,27 @@ def term(constant, factor):
 
 
 @kernel
-def dashpot(normal, overlap, root, mass):
+def powers(overlap, mass):
+    """Overlap delta, sqrt(delta), and sqrt(M) delta^(1/4); `mass` is M."""
+    root = sqrt(overlap)
+    return overlap, root, sqrt(mass * root)
+
+
+@kernel
+def dashpot(normal, powers):
     """Dashpot constant quarter sqrt(M) delta^(1/4) + proportional delta + constant.
 
-    It is a force per velocity. `root` is sqrt(delta), `mass` is M.
+    It is a force per velocity.
     """
-    c = term(normal.quarter, sqrt(mass * root)) + term(normal.proportional, overlap)
+    overlap, _, fourth = powers
+    c = term(normal.quarter, fourth) + term(normal.proportional, overlap)
     return c + term(normal.constant, 1.0)
 
 
 @kernel
-def elastic(normal, overlap):
+def elastic(normal, powers):
     """Elastic force k_n delta^(3/2) of Hertz."""
-    return normal.stiffness * overlap * sqrt(overlap)
+    return normal.stiffness * powers[0] * powers[1]
 
 
 @kernel
@@ -159,13 +186,13 @@ def elastic_energy(normal, overlap):
 
 
 @kernel
-def normal_force(normal, overlap, half, free, light, implicit, dt):
+def normal_force(normal, powers, half, free, light, implicit, dt):
     """F_n >= 0 of a contact with overlap > 0: (elastic - c v)/(1 + c t/M) with dashpots.
 
     `half`, `free`: velocity at which it opens, half a step before, and v, at the step but without
     F_n; `light`: 1/M; `implicit`: t, the time for which F_n acts on v, dt/2 or 0.
     """
-    force, c = elastic(normal, overlap), dashpot(normal, overlap, sqrt(overlap), 1 / light)
+    force, c = elastic(normal, powers), dashpot(normal, powers)
     if normal.quarter is not None or normal.proportional is not None or normal.constant is not None:
         force = (force - c * free) / (1 + c * implicit * light)
     if normal.plastic is not None:  # at most what stops it in this step
@@ -236,6 +263,17 @@ def touching(overlap, rate, dt):
 
 
 @kernel
+def before_of(normal, powers, closing, free, light, last, dt):
+    """`Before` of a contact with F_n = `last` a step before; the rest as of `normal_force`."""
+    since = touching(powers[0], closing, dt)
+    halved = HALVED[0] * powers[0], HALVED[1] * powers[1], HALVED[2] * powers[2]
+    halfway = normal_force(normal, halved, closing, free, light, 0.0, dt)
+    if since < dt:
+        return Before(halved[0], halfway, since)
+    return Before(powers[0] + closing * dt, last, since)
+
+
+@kernel
 def size(v):
     """Length of a vector; absolute value of a single number."""
     return abs(v[0]) if len(v) == 1 else sqrt(dot(v, v))
@@ -258,27 +296,72 @@ def cut(force, limit):
 
 
 @kernel
-def spring_friction(constants, light, limit, length, stretched, slips, implicit, dt):
-    """F_t of spring and dashpot in series with a slider, and the spring's new length.
+def element(friction, overlap, force, mass):
+    """`Element` at an overlap, under a normal force; `mass` is M."""
+    k, g = tangential_constants(friction.spring, max(overlap, LEAST), mass)
+    return Element(k, g / k, friction.coefficient * force / k)
 
-    Without slip of the slider the spring follows the contact point, s' = u, and becomes `stretched`
-    from its `length`. Spring k and dashpot g are solved for the slip u of their own moment; of the
-    spring's change by that slip they see the part PHASE, with which an oscillation keeps its phase
-    to fourth order:
 
-        F_t = -(k (s + PHASE dt/2 (u - half)) + g u),  u = free + F_t dt/(2 M),
+@kernel
+def relaxed(lag, reach, last, strain, length, dt):
+    """Length of the spring after a time dt in which the slider gives way: lag s' = reach - s.
 
-    `slips` are half, the slip half a step before, and free, the slip of the step without F_t. With
-    slip of the slider |F_t| = limit and the element relaxes, g s' = -F_t - k s; one step of
-    backward Euler, stable for any g >= 0 and, for g = 0, the spring that alone carries the limit.
+    The reach has the direction of `strain`. For a steady rate r' of the reach, s = reach - lag r'
+    is a solution, which is kept exactly, however short the lag; what differs from it decays, as
+    1/(1 + dt/lag + (dt/lag)^2/2).
     """
-    (k, g), (half, free), part = constants, slips, PHASE * implicit
-    force = along(times(-k, along(stretched, part, along(free, -1.0, half))), -g, free)
-    force = times(1 / (1 + (g + k * part) * implicit * light), force)
-    if size(force) <= limit:
-        return force, stretched
-    force, relaxed = cut(force, limit), 1 / (g + k * dt)
-    return force, along(times(g * relaxed, length), -dt * relaxed, force)
+    kept, late = lag * lag / (lag * lag + dt * (lag + 0.5 * dt)), 2 * lag / dt * (last - reach)
+    return along(times(kept, length), last - late - kept * (2 * reach - last - late), unit(strain))
+
+
+@kernel
+def followed(lag, reach, last, length, slip, dt):
+    """Length of the spring after a time dt of known slip; `reach` in the middle, `last` then."""
+    strain = along(length, 0.5 * dt + lag, slip)
+    if size(strain) <= reach:
+        return along(length, dt, slip)
+    return relaxed(lag, reach, last, strain, length, dt)
+
+
+@kernel
+def within(strain, reach):
+    """Strain of an element, at most its reach."""
+    return strain if size(strain) <= reach else cut(strain, reach)
+
+
+@kernel
+def spring_friction(now, then, light, many, since, length, slip, dt):
+    """Mean F_t of spring and dashpot in series with a slider, and the spring's new length.
+
+    The strain s + lag u makes the force, F_t = -k (s + lag u). Up to the reach the spring follows
+    the contact point, s' = u; beyond it the slider gives way: the strain is the reach, and the
+    spring relaxes. The force of a step acts until half a step later, so that a slider that stops
+    within the step would be felt late. F_t is the mean of the forces a quarter of a step before and
+    after it, each with a reach of its own, and the spring follows the slip up to the step in two
+    halves. Less `EARLIER`, the acceleration of the step before makes up for the force that comes
+    late. The dashpot is solved for the slip of its moment, with the friction of `many` contacts.
+
+    `now`, `then`: `Element` at the step and of `Before`; `light`: 1/M; `many`: contacts that rub
+    alike, this one included; `since`: of `Before`; `length`: of the spring.
+    """
+    half, quarter, lag = 0.5 * dt, 0.25 * dt, 0.5 * (now.lag + then.lag)
+    early, late = along(slip.half, -quarter, slip.gain), along(slip.half, quarter, slip.gain)
+    reach, grown = now.reach, 0.25 * (now.reach - then.reach)  # grown in a quarter of a step
+    start, follows = followed(lag, reach - 3 * grown, reach - 2 * grown, length, early, half), half
+    middle, grown = reach - grown, max(grown, -reach)
+    if since < dt:
+        start, follows, middle, lag = length, since, then.reach, then.lag
+    new, held = followed(lag, middle, reach, start, late, follows), along(start, follows, late)
+    light *= now.stiffness
+    part = quarter * now.lag
+    share, known = 1 / (1 + part * many * light), times(part, slip.alike)
+    first = along(along(held, now.lag - quarter, slip.half), -EARLIER * dt * dt, slip.gain)
+    first = within(times(share, along(first, 1.0, known)), reach - grown)
+    pulled = along(slip.half, half, along(slip.drive, -light, first))
+    damped = along(slip.half, half, along(slip.alike, -many * light, first))
+    second = along(along(new, quarter, pulled), now.lag, damped)
+    second = within(times(share, along(second, 1.0, known)), reach + grown)
+    return times(-0.5 * now.stiffness, along(first, 1.0, second)), new
 
 
 @kernel
@@ -339,35 +422,37 @@ def constrained(inertia, bodies, half, limit, drive, dt):
 
 
 @kernel
-def element_friction(spring, inertia, meeting, slip, limit, dt):
-    """F_t up to `limit`, and the spring's new length, which a constraint leaves as it is.
+def element_friction(friction, spring, inertia, meeting, drive, force, before, dt):
+    """F_t under a normal force, and the spring's new length, which a constraint leaves as it is.
 
-    Two rods side by side touch at both ends, which slip alike: the spring of a pair is solved as if
-    the other contact exerted the same friction.
+    A rod in a row touches both neighbours at both ends, and where it slips, these contacts rub
+    alike. Each sees the others a step late, which would make neighbours with stiff dashpots shake:
+    the dashpot of a contact of rods is solved as if `ALIKE` contacts changed their friction by as
+    much.
     """
-    n, bodies = meeting.out, meeting.bodies
+    n, bodies, half = meeting.out, meeting.bodies, meeting.half
     if spring is None:
-        drive = along(slip.drive, 1.0, meeting.swept)
-        return constrained(inertia, bodies, meeting.half, limit, drive, dt), meeting.kept.spring
-    half, free, many = across(meeting.half, n), across(slip.velocity, n), len(bodies)
+        drive, limit = along(drive, 1.0, meeting.swept), friction.coefficient * force
+        return constrained(inertia, bodies, half, limit, drive, dt), meeting.kept.spring
     length = across(meeting.kept.spring, n)  # it turns from step to step
-    stretched = along(length, slip.since, half)
-    light = tangential_light(inertia, bodies, n, along(stretched, dt, free))
-    constants = tangential_constants(spring, meeting.overlap, 1 / light)
-    free = along(free, -slip.implicit * (many - 1) * light, meeting.kept.rub)
-    light *= many
-    return spring_friction(
-        constants, light, limit, length, stretched, (half, free), slip.implicit, dt
-    )
+    half, drive, many = across(half, n), across(drive, n), 1
+    pull = along(along(length, dt, half), 0.5 * dt * dt, drive)
+    light, alike = tangential_light(inertia, bodies, n, pull), drive
+    if len(bodies) == 2:
+        many, alike = ALIKE, along(drive, -(ALIKE - 1) * light, meeting.kept.rub)
+    now = element(friction, meeting.overlap, force, 1 / light)
+    then = element(friction, before.overlap, before.force, 1 / light)
+    slip = Slip(half, across(meeting.gain, n), drive, alike)
+    return spring_friction(now, then, light, many, before.since, length, slip, dt)
 
 
 @kernel
-def friction_force(friction, inertia, meeting, slip, force, dt):
+def friction_force(friction, inertia, meeting, drive, force, before, dt):
     """F_t under a normal force, and the spring's new length; without friction F_t is zero."""
     if friction is None:
         return nothing(meeting.kept.rub), meeting.kept.spring
-    limit = friction.coefficient * force
-    return element_friction(friction.spring, inertia, meeting, slip, limit, dt)
+    spring = friction.spring
+    return element_friction(friction, spring, inertia, meeting, drive, force, before, dt)
 
 
 @kernel
@@ -393,13 +478,15 @@ def contact(normal, friction, inertia, meeting, dt):
     push = moved(inertia, bodies, n)  # acceleration of the contact by a unit normal force
     light, closing = dot(push, n), dot(meeting.half, n)
     free = dot(velocity, n) - implicit * light * last.force
-    force = normal_force(normal, overlap, closing, free, light, implicit, dt)
+    there = powers(overlap, 1 / light)
+    force = normal_force(normal, there, closing, free, light, implicit, dt)
+    before = before_of(normal, there, closing, free, light, last.force, dt)
     change = times(force - last.force, push)
     change = along(change, -1.0, moved_by(friction, inertia, bodies, n, last.rub))
-    velocity, drive = along(velocity, implicit, change), along(meeting.gain, 1.0, change)
-    slip = Slip(velocity, drive, touching(overlap, closing, dt), implicit)
-    rub, spring = friction_force(friction, inertia, meeting, slip, force, dt)
-    now = along(velocity, implicit, moved_by(friction, inertia, bodies, n, rub))
+    drive = along(meeting.gain, 1.0, change)
+    rub, spring = friction_force(friction, inertia, meeting, drive, force, before, dt)
+    change = along(change, 1.0, moved_by(friction, inertia, bodies, n, rub))
+    now = along(velocity, implicit, change)
     rate = dot(now, n)
-    lost = dt * rate * (elastic(normal, overlap) - force), -dt * dot(rub, across(now, n))
+    lost = dt * rate * (elastic(normal, there) - force), -dt * dot(rub, across(now, n))
     return Force(Kept(force, rub, spring), rate, lost)

@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 
 from ..cache import kernel
 from .codes import DEEP, DONE, FREE, NOT_FINITE, OPENED, STICK, TOO_DEEP
-from .contact import Kept, dashpot, tangential_constants
+from .contact import Kept, dashpot, powers, tangential_constants
 from .state import Moving, field
 from .surfaces import plate_at, plate_forces
 from .touches import watched
@@ -206,7 +206,7 @@ def rates(effects, start, mode, y):
     if overlap > 0:
         root, normal = sqrt(overlap), effects.normal
         mass = 1 / (1 + a_x * a_x * effects.lightness)
-        c = dashpot(normal, overlap, root, mass)
+        c = dashpot(normal, powers(overlap, mass))
         left = overlap - c * rate / (normal.stiffness * root)
         force = max(normal.stiffness * root * left, 0.0)
         left = left if normal.plastic is None else -rate  # a plastic contact ends as it rests
