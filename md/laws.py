@@ -35,7 +35,7 @@ from .kernels.contact import Friction, Normal, Spring
 from .kernels.state import Effects, Motion
 
 STIFFNESS = 5e6  # k_n of Appendix A in m g/d^(3/2)
-_MOST_DAMPING = 1e100  # beyond it numbers overflow
+_MOST_DAMPING = 1e100  # beyond it numbers may overflow
 _STIFFNESSES = "normal.stiffness", "spring.proportional", "spring.root"  # more than zero
 
 
@@ -126,7 +126,8 @@ def appendix_a(
     overlap_factor : whether the dashpots carry the factor of the overlap that is printed
     """
     k = positive("stiffness", stiffness)
-    dashpot = not_negative("damping", damping) * positive("reduced_mass", reduced_mass) or None
+    damping = number("damping", damping, 0.0, _MOST_DAMPING)
+    dashpot = damping * positive("reduced_mass", reduced_mass) or None
     spring = positive("tangential_ratio", tangential_ratio) * k
     if held("overlap_factor", overlap_factor, bool):
         rubbing = Spring(spring, proportional_dashpot=dashpot)
@@ -228,7 +229,7 @@ def largest_step(
 
     With stiffness K_n and dashpot C_n of the normal force per mass, at the deepest overlap, a step
     is stable up to K_n dt^2 + 2 C_n dt = 4 under leapfrog and K_n dt^2 + 4 C_n dt = 0.64 under
-    Gear's method (which, without any dashpot, still gains 1e-3 in amplitude a step there). Verlet's
+    Gear's method (which, without any dashpot, still gains 8e-3 in amplitude a step there). Verlet's
     method solves for the dashpots of a contact. Of n contacts that see each other a step late, it
     only extrapolates those of the others: K_n dt^2 + 4 (1 - 1/n) C_n dt = 4. Friction adds
 
@@ -237,7 +238,7 @@ def largest_step(
     - 8/3 K_t dt^2 + C_t dt of up to four contacts of rods, each solved for three alike,
     - K_t dt^2 + C_t dt under Gear's method,
 
-    each right or on the safe side for contacts that slip alike.
+    each right to two percent or on the safe side for contacts that slip alike.
 
     Parameters
     ----------

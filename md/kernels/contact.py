@@ -4,8 +4,8 @@ Written once for rod on plate, rod on rod and rod on wall, in the plane and in s
 tuples of two numbers or three (`vectors`). Reduced units: d = m = g = 1, m the mass of the rod. A
 parameter that is `None` says that its term is absent: Numba sees the type and leaves its code out.
 
-Places are known at a step, velocities half a step before it. A dashpot's force belongs to the
-velocity of the step, which it changes itself: it is solved for that velocity,
+Places are known at a step, velocities half a step before it. The force of a normal dashpot belongs
+to the velocity of the step, which it changes itself: it is solved for that velocity,
 
     F = (elastic - c v)/(1 + c dt/(2 M)),
 
@@ -24,9 +24,9 @@ from ..cache import kernel
 from .vectors import across, along, dot, nothing, spread, swing, times, torque
 
 HALVED = 0.5, 0.5**0.5, 0.5**0.25  # what is left of `powers` at half the overlap
-EARLIER = 1 / 32  # with which springs without dashpots keep their energy (`spring_friction`)
-ALIKE = 3  # contacts of a rod that count as one; with three, one is stable and so are four
-LEAST = 1e-30  # d; at a smaller overlap a tangential element is as at this one
+EARLIER = 1 / 32  # of `gain` dt^2; springs without dashpots keep their energy with it
+ALIKE = 3  # contacts that a contact of rods is solved for; one alone and four are stable then
+LEAST = 1e-30  # d; no tangential element is taken at a smaller overlap
 
 
 class Normal(NamedTuple):
@@ -112,16 +112,16 @@ class Meeting(NamedTuple):
     gain: tuple  # g; acceleration of that velocity as far as known, by `kept` too
     kept: Kept  # of the step before, or as far as known
     swept: tuple  # g; acceleration of the slip by the motion of the arm; zero: neglected
-    explicit: bool | None  # True: dashpots see `now`; None: they see the velocity of their step
-    now: tuple  # sqrt(g d); velocity for explicit dashpots
+    explicit: bool | None  # True: normal dashpots see `now`; None: the velocity of their step
+    now: tuple  # sqrt(g d); velocity for explicit normal dashpots
 
 
 class Before(NamedTuple):
-    """State of a contact a step before; of a new one, halfway from its touch to the step."""
+    """State of a contact a step before; of a new one, halfway in time from touch to step."""
 
     overlap: float  # d
     force: float  # F_n, m g
-    since: float  # sqrt(d/g); part of the last step since the touch
+    since: float  # sqrt(d/g); time since the touch, at most the last step
 
 
 class Slip(NamedTuple):
@@ -130,7 +130,7 @@ class Slip(NamedTuple):
     half: tuple  # sqrt(g d); half a step before
     gain: tuple  # g; a step before, as far as known
     drive: tuple  # g; at the step, without the friction of this contact
-    alike: tuple  # g; at the step, without that of `ALIKE` such contacts
+    alike: tuple  # g; at the step, without the friction of all contacts that count as alike
 
 
 class Element(NamedTuple):
@@ -306,17 +306,19 @@ def element(friction, overlap, force, mass):
 def relaxed(lag, reach, last, strain, length, dt):
     """Length of the spring after a time dt in which the slider gives way: lag s' = reach - s.
 
-    The reach has the direction of `strain`. For a steady rate r' of the reach, s = reach - lag r'
-    is a solution, which is kept exactly, however short the lag; what differs from it decays, as
-    1/(1 + dt/lag + (dt/lag)^2/2).
+    The reach, `last` at the end, has the direction of `strain`. For a steady rate r' of the reach,
+    the solution s = reach - lag r' is kept exactly; what differs from it decays, as
+    1/(1 + dt/lag + (dt/lag)^2/2). The length is a mean with weights >= 0, at any lag.
     """
-    kept, late = lag * lag / (lag * lag + dt * (lag + 0.5 * dt)), 2 * lag / dt * (last - reach)
-    return along(times(kept, length), last - late - kept * (2 * reach - last - late), unit(strain))
+    first, second, third = lag * lag, dt * lag, 0.5 * dt * dt
+    share = 1 / (first + second + third)
+    length = times(share * first, length)
+    return along(length, share * (second * reach + third * last), unit(strain))
 
 
 @kernel
 def followed(lag, reach, last, length, slip, dt):
-    """Length of the spring after a time dt of known slip; `reach` in the middle, `last` then."""
+    """Length of the spring after a time dt of known slip; `reach` in the middle, `last` after."""
     strain = along(length, 0.5 * dt + lag, slip)
     if size(strain) <= reach:
         return along(length, dt, slip)
@@ -337,18 +339,19 @@ def spring_friction(now, then, light, many, since, length, slip, dt):
     the contact point, s' = u; beyond it the slider gives way: the strain is the reach, and the
     spring relaxes. The force of a step acts until half a step later, so that a slider that stops
     within the step would be felt late. F_t is the mean of the forces a quarter of a step before and
-    after it, each with a reach of its own, and the spring follows the slip up to the step in two
-    halves. Less `EARLIER`, the acceleration of the step before makes up for the force that comes
-    late. The dashpot is solved for the slip of its moment, with the friction of `many` contacts.
+    after it, each with a reach of its own, so that it never exceeds mu F_n, and the spring follows
+    the slip up to the step in two halves. The dashpot is solved for the slip of its moment, with
+    the friction of `many` contacts. The earlier strain lacks `EARLIER` dt^2 times the acceleration
+    of the step before, by which springs without dashpots keep their energy.
 
     `now`, `then`: `Element` at the step and of `Before`; `light`: 1/M; `many`: contacts that rub
     alike, this one included; `since`: of `Before`; `length`: of the spring.
     """
     half, quarter, lag = 0.5 * dt, 0.25 * dt, 0.5 * (now.lag + then.lag)
     early, late = along(slip.half, -quarter, slip.gain), along(slip.half, quarter, slip.gain)
-    reach, grown = now.reach, 0.25 * (now.reach - then.reach)  # grown in a quarter of a step
+    reach, grown = now.reach, 0.25 * (now.reach - then.reach)  # in a quarter of a step, or less
     start, follows = followed(lag, reach - 3 * grown, reach - 2 * grown, length, early, half), half
-    middle, grown = reach - grown, max(grown, -reach)
+    middle, grown = reach - grown, max(grown, -reach)  # no reach is below 0
     if since < dt:
         start, follows, middle, lag = length, since, then.reach, then.lag
     new, held = followed(lag, middle, reach, start, late, follows), along(start, follows, late)

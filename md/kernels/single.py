@@ -1,7 +1,7 @@
 """Fixed-step integrators of one rod, compiled: leapfrog, velocity Verlet, Gear's fifth order.
 
 All three compute one set of forces per step, at the positions of step n. They differ in the
-velocity that the dashpots of that force see:
+velocity that normal dashpots see:
 
 =========  =============================================  ==========================
 name       positions and velocities kept                  velocity in the dashpots
@@ -13,8 +13,8 @@ gear       positions and five derivatives at n            predicted at n
 
 A step's friction is found from the slip half a step before it, in all three
 (`contact.constraint_friction`, `contact.spring_friction`). Leapfrog is thus of first order where
-there are dashpots, Verlet of second; Gear's order is that of the force's smoothness, and at the
-start and the end of a contact that is low.
+there are normal dashpots, Verlet of second; Gear's order is that of the force's smoothness, and at
+the start and the end of a contact that is low.
 """
 
 from math import cos, sin, sqrt
