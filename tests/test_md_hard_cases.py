@@ -285,6 +285,42 @@ def test_m6_stable_just_below_the_largest_and_not_far_above(law, tilt, friction,
     assert not rests(LAWS[law], integrator, 4.0 if friction else 1.05, tilt, friction)
 
 
+def growth(law, bodies, n, dt):
+    """Factor by which the slip of n contacts alike grows in a step at most, under a steady load.
+
+    Each sees the others' friction as of the step before.
+    """
+    arms = ((0.0, -1.0), (0.0, 1.0))[:bodies]
+    deep, light, nothing = deepest_overlap(law, 1.0), 2.0 * bodies, (0.0, 0.0)
+    force, friction = law.normal.stiffness * deep**1.5, Friction(1e60, law.spring)
+
+    def step(slip, spring, rub):
+        kept, gain = Kept(force, (rub,), (spring,)), (n * light * rub, 0.0)
+        meeting = Meeting(
+            tuple((arm, arm) for arm in arms), (0.0, 1.0), deep, (slip, 0.0), gain, kept, nothing,
+            None, nothing,
+        )  # fmt: skip
+        found = contact(law.normal, friction, Inertia(1.0, None), meeting, dt).kept
+        return slip + dt * n * light * found.rub[0], found.spring[0], found.rub[0]
+
+    return abs(np.linalg.eigvals(np.transpose([step(*unit) for unit in np.eye(3)]))).max()
+
+
+@pytest.mark.parametrize("damping", [1e-9, 0.1, 0.3, 1.0, 3.0])
+@pytest.mark.parametrize(("bodies", "n"), [(1, 1), (1, 2), (1, 3), (2, 1), (2, 2), (2, 4)])
+def test_m6_contacts_that_rub_alike_are_stable_at_the_largest_step(bodies, n, damping):
+    """Those of a rod with walls and with rods, to two percent.
+
+    Not at four times the step, but that dashpots between rods are solved for.
+    """
+    law = md.constant_restitution(1.0, tangential_ratio=1e4, tangential_damping=damping)
+    light = 2.0 * bodies - 1
+    largest = largest_step(law, True, 1.0, light, 1.0, "verlet", n, late=n, rods=bodies == 2)
+    assert growth(law, bodies, n, 0.98 * largest) < 1 + 1e-9
+    if bodies == 1 or damping < 1:
+        assert growth(law, bodies, n, 4 * largest) > 1
+
+
 # Long steps
 
 
