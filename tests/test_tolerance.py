@@ -1,6 +1,7 @@
 """Accuracy: intervals, choice of the step, runs that end when they are accurate enough."""
 
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -130,7 +131,8 @@ def test_the_command_has_two_ends(monkeypatch):
     printed = enter("md run quasi2d --tolerance 0.3 --floor 0.05 --json", *SMALL)
     found = json.loads(printed.out)["accuracy"]
     assert (found["state"], found["starts"]) == ("reached", 2)
-    hard = "md run quasi2d --tolerance 0.05 --max-seconds 0.05 --json --set start.seed=2"
+    hard = "md run quasi2d --tolerance 0.05 --max-seconds 0.05 --json"
+    monkeypatch.setattr(accuracy, "settled", lambda first, *series: first)
     found = json.loads(enter(hard, *SMALL, code=4).out)  # known after the second look
     assert (found["finished"], found["accuracy"]["state"]) == (True, "not reached")
     assert found["periods"] < 5000
@@ -143,7 +145,7 @@ def test_the_command_has_two_ends(monkeypatch):
 # Rods fall over ever more often for 300 periods; both starts agree meanwhile
 LIVELY = """
     rods.count=38 rods.length=6.2 box.length=52 plate.acceleration=2.6
-    start.speed=0.3 start.seed=2
+    start.speed=0.3 start.seed=3
     contacts.plate.restitution=0.7 contacts.plate.friction=0.54
     contacts.rods.restitution=0.85 contacts.rods.friction=0.33
     contacts.rods.tangential_ratio=4.2 contacts.rods.tangential_damping=0.35
@@ -201,7 +203,7 @@ def test_an_annulus_is_seen_to_settle():
 def test_a_sweep_takes_a_tolerance(tmp_path):
     """Each point has a length of its own; one that is not reached is a failure that says so."""
     store = tmp_path / "a.db"
-    base = put(read_tables("quasi2d"), dict(map(_parsed, ROW)) | {"start.seed": 2})
+    base = put(read_tables("quasi2d"), dict(map(_parsed, ROW)))
     tables = {"tolerance": 0.4, "max_seconds": 30, "axes": [{"plate.acceleration": [4, 5]}]}
     tally = execute(expand(tables, base), store, workers=1)
     assert (tally.computed, tally.failed) == (2, 0)
@@ -214,4 +216,5 @@ def test_a_sweep_takes_a_tolerance(tmp_path):
     hard = {**tables, "tolerance": 0.02, "max_seconds": 0.05}
     assert execute(expand(hard, base), store, workers=1).failed == 2
     with Store(store, write=False) as database:
-        assert "NOT REACHED" in [run["error"] for run in database.rows()][-1]
+        ends = [run["error"] for run in database.rows()][-2:]
+    assert all(re.match("NOT (REACHED|SETTLED): 0.02 of the drift asked for", end) for end in ends)
