@@ -235,7 +235,7 @@ def largest_step(
 
     - 1.1 K_t dt^2 over a plate, whose dashpots are solved for,
     - (19/16 - 11/(32 n)) K_t dt^2 + 4 (1 - 1/n) C_t dt of n contacts with a wall,
-    - 8/3 K_t dt^2 + C_t dt of up to four contacts of rods, each solved for three alike,
+    - 8/3 K_t dt^2 + 2 C_t dt of up to four contacts of rods, each solved for three alike,
     - K_t dt^2 + C_t dt under Gear's method,
 
     each right to two percent or on the safe side for contacts that slip alike.
@@ -267,7 +267,7 @@ def largest_step(
     elif method == "verlet":
         others = 1 - (1 / late if late else 3 / (2 + caps))
         if rods:
-            part, rubs = 8 / 3, 1.0
+            part, rubs = 8 / 3, 2.0
         elif late:
             part, rubs = 19 / 16 - 11 / (32 * late), 4 * others
     light = 1 + across if caps == 1 else 2 * max(1.0, across)
