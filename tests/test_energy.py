@@ -427,7 +427,7 @@ def test_m15_the_ledger_closes_as_the_step_shrinks(scene, periods, steps, most):
     "changes",
     [
         ["plate.acceleration=10"],
-        ["box.length=57.4"],  # 85 degrees
+        ["box.length=57.4", "step.size=7e-4"],  # 85 degrees
         ["box.length=5"],  # upright
         ["rods.count=2", "box.length=2.2"],
         ["rods.length=1"],
@@ -437,15 +437,16 @@ def test_m15_the_ledger_closes_as_the_step_shrinks(scene, periods, steps, most):
     ids=" ".join,
 )
 def test_extremes_run_and_account_for_their_energy(changes):
-    """Rods and series are finite, and the energy accounts for itself to 5e-3 of its turnover.
+    """Rods and series are finite, and the energy accounts for itself to 2e-3 of its turnover.
 
-    The ledger is of second order in the step, a 24th of a contact: 24^-2 = 1.7e-3, a few times.
+    The ledger is of second order in the step, a 24th of a contact: 24^-2 = 1.7e-3. Rods that nearly
+    lie, with both caps in touch, take half of it.
     """
     result = md.run(row(*changes), periods=2)
     assert result.finished
     assert np.isfinite(result.rods).all()
     assert np.isfinite(result.c_x_series).all()
-    part = 5e-3 * turnover(result.energy)
+    part = 2e-3 * turnover(result.energy)
     assert abs(result.energy["residual"]) <= part + 1e-9
     assert min(result.energy["plate_normal"], result.energy["rods_normal"]) >= -part
 
@@ -474,10 +475,10 @@ def test_each_part_of_the_ledger_is_what_the_closed_form_says():
 
 def test_the_mean_tilt_of_rods_that_lie_is_horizontal():
     """A rod has no head: 89 and -89 degrees are next to each other, also from period to period."""
-    lying = "rods.count=1", "box.length=20", "start.tilt_deg=90", "plate.acceleration=5"
+    lying = "rods.count=1", "box.length=20", "start.tilt_deg=90", "plate.acceleration=4.5"
     result = md.run(row(*lying), periods=30)
     assert result.fell > 3
-    assert np.ptp(result.tilt_series) < 60
+    assert np.ptp(result.tilt_series) < 30
     assert abs(result.tilt_deg) == pytest.approx(90, abs=10)
 
 

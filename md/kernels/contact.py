@@ -23,7 +23,7 @@ from typing import NamedTuple
 from ..cache import kernel
 from .vectors import across, along, dot, nothing, spread, swing, times, torque
 
-HALVED = 0.5, 0.5**0.5, 0.5**0.25  # what is left of `powers` at half the overlap
+HALVED = 0.5, 0.5**0.5, 0.5**0.25  # what is left of `powers_of` half the overlap
 EARLIER = 1 / 32  # of `gain` dt^2; springs without dashpots keep their energy with it
 ALIKE = 3  # contacts that a contact of rods is solved for; one alone and four are stable then
 LEAST = 1e-30  # d; no tangential element is taken at a smaller overlap
@@ -156,7 +156,7 @@ def term(constant, factor):
 
 
 @kernel
-def powers(overlap, mass):
+def powers_of(overlap, mass):
     """Overlap delta, sqrt(delta), and sqrt(M) delta^(1/4); `mass` is M."""
     root = sqrt(overlap)
     return overlap, root, sqrt(mass * root)
@@ -355,13 +355,13 @@ def spring_friction(now, then, light, many, since, length, slip, dt):
     if since < dt:
         start, follows, middle, lag = length, since, then.reach, then.lag
     new, held = followed(lag, middle, reach, start, late, follows), along(start, follows, late)
-    light *= now.stiffness
+    square = light * now.stiffness  # k/M
     part = quarter * now.lag
-    share, known = 1 / (1 + part * many * light), times(part, slip.alike)
+    share, known = 1 / (1 + part * many * square), times(part, slip.alike)
     first = along(along(held, now.lag - quarter, slip.half), -EARLIER * dt * dt, slip.gain)
     first = within(times(share, along(first, 1.0, known)), reach - grown)
-    pulled = along(slip.half, half, along(slip.drive, -light, first))
-    damped = along(slip.half, half, along(slip.alike, -many * light, first))
+    pulled = along(slip.half, half, along(slip.drive, -square, first))
+    damped = along(slip.half, half, along(slip.alike, -many * square, first))
     second = along(along(new, quarter, pulled), now.lag, damped)
     second = within(times(share, along(second, 1.0, known)), reach + grown)
     return times(-0.5 * now.stiffness, along(first, 1.0, second)), new
@@ -481,7 +481,7 @@ def contact(normal, friction, inertia, meeting, dt):
     push = moved(inertia, bodies, n)  # acceleration of the contact by a unit normal force
     light, closing = dot(push, n), dot(meeting.half, n)
     free = dot(velocity, n) - implicit * light * last.force
-    there = powers(overlap, 1 / light)
+    there = powers_of(overlap, 1 / light)
     force = normal_force(normal, there, closing, free, light, implicit, dt)
     before = before_of(normal, there, closing, free, light, last.force, dt)
     change = times(force - last.force, push)

@@ -17,12 +17,12 @@ there are normal dashpots, Verlet of second; Gear's order is that of the force's
 the start and the end of a contact that is low.
 """
 
-from math import cos, sin, sqrt
+from math import cos, sin
 from typing import Any, NamedTuple
 
 from ..cache import kernel
 from .codes import DEEP, DONE, FREE, NOT_FINITE, OPENED, STICK, TOO_DEEP
-from .contact import Kept, dashpot, powers, tangential_constants
+from .contact import Kept, dashpot, powers_of, tangential_constants
 from .state import Moving, field
 from .surfaces import plate_at, plate_forces
 from .touches import watched
@@ -204,9 +204,9 @@ def rates(effects, start, mode, y):
     slip = y[3] + y[5] * a_z
     force, left, rub, stretch, spare = 0.0, overlap, 0.0, 0.0, 1.0
     if overlap > 0:
-        root, normal = sqrt(overlap), effects.normal
-        mass = 1 / (1 + a_x * a_x * effects.lightness)
-        c = dashpot(normal, powers(overlap, mass))
+        powers = powers_of(overlap, 1 / (1 + a_x * a_x * effects.lightness))
+        (_, root, _), normal = powers, effects.normal
+        c = dashpot(normal, powers)
         left = overlap - c * rate / (normal.stiffness * root)
         force = max(normal.stiffness * root * left, 0.0)
         left = left if normal.plastic is None else -rate  # a plastic contact ends as it rests
