@@ -425,7 +425,10 @@ def _measured(path: Path, result: str) -> list[Target]:
     A row without a result is predicted: its value and its error are nan.
     """
     lines = (line for line in text_of(path).splitlines() if line.strip() and line[0] != "#")
-    heads, *rows = [[cell.strip() for cell in row] for row in csv.reader(lines)] or [[]]
+    try:
+        heads, *rows = [[cell.strip() for cell in row] for row in csv.reader(lines)] or [[]]
+    except csv.Error as error:  # a cell of a hundred thousand letters
+        raise InputError(f"{path}: {error}") from None
     if not rows or not {result, "error"} < set(heads) or len(set(heads)) < len(heads):
         columns = f"columns {result}, error and keys of the scene, each once"
         raise InputError(f"{path} must have {columns}, and rows; got {', '.join(heads)}")

@@ -131,9 +131,10 @@ def test_a_figure_is_drawn_from_the_data_of_a_folder(tmp_path, name):
     np.savez(data, **figures.load(name).data(quick=True))
     enter(f"figures draw {name} --data", tmp_path, "--out", out)
     assert names_in(out) == {f"{name}.png", f"{name}.pdf"}
-    data.write_bytes(b"no data")
-    said = enter(f"figures draw {name} --data", tmp_path, "--out", out, code=2).err
-    assert f"{name}.npz holds no data of a figure" in said
+    for others in (lambda: data.write_bytes(b"no data"), lambda: np.savez(data, mine=1.0)):
+        others()
+        said = enter(f"figures draw {name} --data", tmp_path, "--out", out, code=2).err
+        assert f"{name}.npz holds no data of {name}" in said
 
 
 # Runs

@@ -67,6 +67,7 @@ def fill():
     np.save("array.npy", np.zeros(3))
     np.savez("arrays.npz", about="{}")
     np.savez("old.npz", about=json.dumps({"code": "other", "scene": "other"}))
+    Path("drift_long.csv").write_text("9" * 200_000)
     Path("link").symlink_to("a.db")
     Path("hard").hardlink_to("a.db")
     with socket.socket(socket.AF_UNIX) as listener:

@@ -142,7 +142,7 @@ def kept_data(name: str, folder: Path) -> dict[str, np.ndarray]:
         with path.open("rb") as file, np.load(file) as stored:
             return {key: stored[key] for key in stored if key != "provenance"}
     except (*BROKEN, TypeError) as error:  # TypeError: a single array
-        raise InputError(f"{path} holds no data of a figure: {error}") from None
+        raise InputError(f"{path} holds no data of {name}: {error}") from None
 
 
 def figure_data(name: str, quick: bool = False, out: Path | None = None) -> dict[str, np.ndarray]:

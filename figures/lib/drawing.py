@@ -13,6 +13,7 @@ from joblib import delayed
 from joblib.externals.loky import get_reusable_executor
 from tqdm import tqdm
 
+from impact import InputError
 from impact._generated import DIGEST
 from md.files import replacing
 from md.sweep import pool
@@ -52,7 +53,12 @@ def produce(
     """
     module, own = load(name), {key: own[key] for key in FIGURES[name].own if key in own}
     data = module.data(quick=quick, **own) if kept is None else kept_data(name, kept)
-    picture = module.draw(data)
+    try:
+        picture = module.draw(data)
+    except LookupError as error:
+        if kept is None:
+            raise
+        raise InputError(f"{kept / name}.npz holds no data of {name}: {error}") from None
     by = {"quick": quick, "own": own} if kept is None else made(kept / f"{name}.npz")
     marks = ["quick"] if by.get("quick") else []
     marks += ["values not the paper's"] if by.get("own") else []
