@@ -97,8 +97,7 @@ def test_starts_that_agree_while_ever_more_rods_fall_have_not_settled(fell, sett
     found = interval(NOISE, fell=fell)
     assert found.settled == settled
     assert found.chance > 0.01
-    quiet = interval(NOISE)
-    assert (found.error > quiet.error) == bool(found.fell)
+    assert (found.error > interval(NOISE).error) == bool(found.fell)
 
 
 def test_where_rods_fall_the_change_between_the_halves_is_an_error():
@@ -106,8 +105,8 @@ def test_where_rods_fall_the_change_between_the_halves_is_an_error():
     slow = NOISE + np.linspace(0, 0.02, 1000)
     found = interval(slow, fell=SOMETIMES)
     assert found.settled
-    means = [abs(one[200:600].mean() - one[600:].mean()) / 2 for one in slow]
-    errors = np.hypot(means, [standard_error(one[200:]) for one in slow])
+    change = (slow[:, 200:600] - slow[:, 600:]).mean(axis=1) / 2
+    errors = np.hypot(change, [standard_error(one[200:]) for one in slow])
     assert found.error == pytest.approx(np.hypot(*errors) / 2)
 
 
@@ -128,8 +127,7 @@ def test_runs_that_end_by_their_own_interval_hold_the_mean_as_often_as_they_say(
     random, hits, unsettled = default_rng(5), 0, 0
     tolerance = ndtri(0.975) / (1 - memory) / np.sqrt(length)
     for _ in range(400):
-        starts = [1 + autoregressive(random, 10 * length, memory) for _ in range(2)]
-        goal = followed(starts, tolerance)
+        goal = followed(1 + autoregressive(random, (2, 10 * length), memory), tolerance)
         hits += abs(goal.found.mean - 1) <= goal.found.statistical
         unsettled += not goal.reached
     assert unsettled <= 4
