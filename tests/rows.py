@@ -53,6 +53,7 @@ RING = f"""
     rods.count=6 rods.length=4 annulus.inner=1 annulus.outer=2.8 step.size=none
     contacts.plate.stiffness={SOFT} contacts.rods.stiffness={SOFT} contacts.wall.stiffness={SOFT}
 """.split()
+DRIVEN = "plate.acceleration=5"
 ROLLING = ("rods.rolling=true", "annulus.shaken=false", *CONSTRAINT)
 
 
