@@ -54,6 +54,7 @@ RING = f"""
     contacts.plate.stiffness={SOFT} contacts.rods.stiffness={SOFT} contacts.wall.stiffness={SOFT}
 """.split()
 DRIVEN = "plate.acceleration=5"
+LIVELY = "step.size=3e-4", DRIVEN
 ROLLING = ("rods.rolling=true", "annulus.shaken=false", *CONSTRAINT)
 
 

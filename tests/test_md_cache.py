@@ -12,14 +12,11 @@ import numba
 import pytest
 from numba.core.caching import IndexDataCacheFile
 
-import md
 from impact import _jit
 from md import cache
 
-from .command_line import python
+from .command_line import ROOT, python
 from .test_files import FULL
-
-PACKAGE = Path(md.__file__).parent
 
 
 def half(x):
@@ -48,7 +45,7 @@ def no_folder_chosen(monkeypatch):
 @pytest.fixture
 def copy(tmp_path):
     """The package's sources in a place where they can be edited."""
-    shutil.copytree(PACKAGE, tmp_path / "md", ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(ROOT / "md", tmp_path / "md", ignore=shutil.ignore_patterns("__pycache__"))
     return tmp_path / "md"
 
 
@@ -63,7 +60,7 @@ def call(copy):
     done = python("-c", CALL, cwd=copy.parent, **environment(copy))
     file, *rest = json.loads(done.stdout)
     assert Path(file).parent == copy
-    return tuple(rest)
+    return rest
 
 
 def kept(copy):
@@ -77,19 +74,17 @@ def test_kernels_are_kept_and_an_edit_anywhere_compiles_anew(copy):
 
     `single.in_mode` asks `contact` for the stiffness of the spring, which is doubled there.
     """
-    assert call(copy) == (-0.1, 0, 1)
+    assert call(copy) == [-0.1, 0, 1]
     files = kept(copy)
-    assert {file.suffix for file in files} == {".nbc", ".nbi"}
-    assert any("single.in_mode" in file.name for file in files)
 
-    assert call(copy) == (-0.1, 1, 0)
+    assert call(copy) == [-0.1, 1, 0]
     assert kept(copy) == files
 
     source = (copy / "kernels" / "contact.py").read_text()
     edited = source.replace("term(spring.root, sqrt", "term(spring.root, 2 * sqrt")
     assert edited != source
     (copy / "kernels" / "contact.py").write_text(edited)
-    assert call(copy) == (-0.2, 0, 1)
+    assert call(copy) == [-0.2, 0, 1]
     assert kept(copy).items() > files.items()  # the old ones are left, in a folder of their own
 
 

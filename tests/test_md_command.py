@@ -1,4 +1,4 @@
-"""`python -m md impact`: what it prints, and what it says to nonsense."""
+"""`python -m md impact`: what it prints."""
 
 import json
 from math import radians
@@ -15,7 +15,7 @@ OF_A_ROD = "--omega=0.1 --length=8 --inertia=thin --ends=flat --stiffness=1e7 --
 
 def found(options):
     """What the command finds, a line of JSON."""
-    out, err = enter(COMMAND, *options.split())
+    out, err = enter(f"{COMMAND} {options}")
     assert (err, out.count("\n")) == ("", 1)
     return json.loads(out)
 

@@ -2,7 +2,6 @@
 
 import signal
 import sys
-from contextlib import nullcontext
 from unittest.mock import Mock
 
 import numpy as np
@@ -44,24 +43,20 @@ def test_what_a_handler_raises_ends_all_starts(monkeypatch):
     assert max(made) < 50_000
 
 
-def test_ctrl_c_before_the_first_look_ends_a_run(monkeypatch):
-    monkeypatch.setattr(accuracy, "interruptible", lambda: nullcontext(lambda: True))
-    assert not md.run(SCENE, tolerance=0.05).finished
-
-
-def test_what_an_interrupted_run_does_not_know_is_not_told(monkeypatch):
-    """After few periods neither the error is told nor how long it would have taken."""
+@pytest.mark.parametrize("periods", [0, 5])
+def test_what_an_interrupted_run_does_not_know_is_not_told(monkeypatch, periods):
+    """After few periods, or none, neither the error is told nor how long it would have taken."""
     usual = accuracy._together
 
     def few(runs, _, stop):
-        usual(runs, 5, stop)
+        usual(runs, periods, stop)
         signal.raise_signal(signal.SIGINT)
 
     monkeypatch.setattr(accuracy, "_together", few)
     result = md.run(SCENE, tolerance=0.05)
     assert (result.finished, result.accuracy.state) == (False, "not settled")
     assert accuracy_lines(result) == ["accuracy     INTERRUPTED: ended too early to tell the error"]
-    assert np.isfinite(result.c_x)
+    assert np.isfinite(result.c_x) == (periods > 0)
     assert np.isnan(result.c_x_stderr)
     assert "inf" not in str(result)
 

@@ -33,10 +33,9 @@ def test_scatter_of_means_over_their_errors(memory, n):
     series = autoregressive(default_rng(n), (400, n), memory)
     scatter = np.sqrt(np.mean(series.mean(axis=1) ** 2))
     error = np.sqrt(np.mean([standard_error(one) ** 2 for one in series]))
-    lacking = max(1 + 3 * memory, 0) / (1 - memory) / n
-    assert 1 - 8 / np.sqrt(800) < scatter / error < 1 + 8 / np.sqrt(800) + lacking
-    exact = exact_error(n, memory)
-    assert error / exact == pytest.approx(1, abs=4 / np.sqrt(800) + lacking)
+    lacking, of_each = max(1 + 3 * memory, 0) / (1 - memory) / n, 4 / np.sqrt(2 * 400)
+    assert 1 - 2 * of_each < scatter / error < 1 + 2 * of_each + lacking
+    assert error / exact_error(n, memory) == pytest.approx(1, abs=of_each + lacking)
 
 
 def test_a_second_memory_is_seen():

@@ -59,10 +59,9 @@ def test_the_bias_of_a_law_of_ones_own_is_measured():
 # Runs
 
 
-def interval(*runs, periods=None, **how):
+def interval(*runs, **how):
     """Interval of the drift that runs have measured, as a run to a tolerance finds it."""
-    cut = [np.array([r.c_x_series[:periods], r.fell_series[:periods]]) for r in runs]
-    return accuracy.interval(cut, **how)
+    return accuracy.interval([np.array([r.c_x_series, r.fell_series]) for r in runs], **how)
 
 
 def test_a_run_ends_as_soon_as_it_is_accurate():
@@ -74,8 +73,8 @@ def test_a_run_ends_as_soon_as_it_is_accurate():
     plain = md.run(result.scene, periods=result.periods)
     assert_array_equal(plain.c_x_series, result.c_x_series)
     other = seeded(result.scene, accuracy.SEED_GAP + 1)
-    each = a.made // 2
-    found = interval(plain, md.run(other, periods=each), periods=each)
+    assert a.made == 2 * result.periods
+    found = interval(plain, md.run(other, periods=result.periods))
     assert (result.c_x, a.statistical, a.chance) == (found.mean, found.half, found.chance)
     assert a.bias_error == ALLOWANCE * abs(result.c_x)
     assert a.error == pytest.approx(np.hypot(a.statistical, a.bias_error))

@@ -12,7 +12,6 @@ import md
 from md import simulation, trajectory
 from md.host import prepare
 
-from .command_line import enter
 from .rows import ROLLING, ring, row, vectors
 
 
@@ -82,15 +81,11 @@ def test_frames_stand_at_the_same_phases_of_all_periods(tmp_path):
     assert steps == [k * per - (-i * per // frames) for k in range(3) for i in range(frames)]
 
 
-def test_a_file_of_another_kind_is_refused_before_anything_is_compiled(tmp_path, monkeypatch):
-    monkeypatch.setattr(simulation, "prepare", pytest.fail)
-    (path := tmp_path / "mine.toml").write_text("[rods]")
-    enter("md run my_rods --trajectory", path, code=2)
-    assert path.read_text() == "[rods]"
-
-
 def test_frames_go_on_or_the_run_does_not(tmp_path, monkeypatch):
-    """After a hole, or those of another run, or fewer than the checkpoint has seen."""
+    """After a hole, or those of another run, or fewer than the checkpoint has seen, or none.
+
+    It is refused before anything is compiled.
+    """
     path, kept, new = tmp_path / "a.xyz", tmp_path / "a.npz", tmp_path / "b.xyz"
     md.run(row(), periods=2, trajectory=path, checkpoint=kept)
     whole = path.read_text()
@@ -98,6 +93,8 @@ def test_frames_go_on_or_the_run_does_not(tmp_path, monkeypatch):
     (later := tmp_path / "later.npz").write_bytes(kept.read_bytes())
     md.run(row(), periods=3, checkpoint=later)
     monkeypatch.setattr(simulation, "prepare", pytest.fail)
+    with pytest.raises(md.InputError, match="must be a new file or one of frames"):
+        md.run(row(), trajectory=kept)
     others = (path, whole[:-1], kept), (path, whole[:-2] + "5\n", kept), (path, whole, later)
     for file, text, checkpoint in ((new, new.read_text(), kept), *others):
         file.write_text(text)

@@ -112,15 +112,17 @@ def test_what_a_run_prints_in_cm(tmp_path):
 # Units of what comes out
 
 
-@pytest.mark.parametrize("changes", [["rods.count=9"], ["plate.acceleration=3"]])
-def test_what_is_measured_and_chosen_has_a_unit_and_a_name(changes):
+@pytest.mark.parametrize(
+    ("scene", "change"), [("annulus", "rods.count=9"), ("my_rods", "plate.acceleration=3")]
+)
+def test_what_is_measured_and_chosen_has_a_unit_and_a_name(scene, change):
     """Results, their errors, columns of records, keys that an axis may have.
 
     As arrays with labels, touches and landings lie along axes of their own; what is counted has no
     unit, so that a plot has no empty brackets.
     """
-    rows, scene = [], md.load("annulus" if "rods.count=9" in changes else "my_rods", changes)
-    result = md.run(scene, periods=3, observe=rows.append)
+    rows = []
+    result = md.run(md.load(scene, change), periods=3, observe=rows.append)
     apart = {"scene", "versions", "scene_digest", "finished", "settled"}
     results = {key for key in flat(result.as_dict()) if key.partition(".")[0] not in apart}
     touches, landings = md.records.touches(rows, result), md.records.landings(rows, result)
