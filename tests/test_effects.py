@@ -222,8 +222,8 @@ def test_no_friction_is_the_same_as_a_coefficient_of_zero():
     smooth = [f"contacts.{part}.friction=0" for part in ("plate", "rods", "wall")]
     state = prepare(ring(*smooth)).state
     assert state.springs is state.listed.springs is None
-    absent = "annulus.shaken=false", "contacts.rods=none", "rods.count=1", "start.tilt_deg=10"
-    engine = prepare(ring(*absent))
+    alone = "contacts.rods=none", "rods.count=1", "start.tilt_deg=10"
+    engine = prepare(ring("annulus.shaken=false", *alone))
     assert engine.effects.between is engine.effects.shaken is engine.state.listed is None
     assert engine.effects.rolling is None
     assert prepare(ring(*ROLLING)).effects.rolling > 0

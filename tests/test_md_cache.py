@@ -49,15 +49,15 @@ def copy(tmp_path):
     return tmp_path / "md"
 
 
-def environment(copy):
-    """Environment of a process that runs the copy, with a cache of its own."""
-    home = copy.parent
-    return {"PYTHONPATH": str(home), "XDG_CACHE_HOME": str(home / "cache")}
+def run(copy, *words):
+    """Run a program with the copy, in a process of its own, with a cache of its own."""
+    home, kept_in = copy.parent, str(copy.parent / "cache")
+    return python("-c", *words, cwd=home, PYTHONPATH=str(home), XDG_CACHE_HOME=kept_in)
 
 
 def call(copy):
     """A force from a fresh process, and whether its kernel was loaded or compiled."""
-    done = python("-c", CALL, cwd=copy.parent, **environment(copy))
+    done = run(copy, CALL)
     file, *rest = json.loads(done.stdout)
     assert Path(file).parent == copy
     return rest
@@ -104,9 +104,8 @@ vectors.times(2.0, eval(sys.argv[1]))
 
 def test_processes_that_compile_at_once_do_not_mix_up_what_they_keep(copy):
     """Two keep the same function for other arguments; a third finds both."""
-    run = partial(python, "-c", RACE, cwd=copy.parent, **environment(copy))
     with ThreadPoolExecutor() as pool:
-        for done in pool.map(run, ("(3.0,)", "(3.0, 4.0)")):
+        for done in pool.map(partial(run, copy, RACE), ("(3.0,)", "(3.0, 4.0)")):
             assert done.returncode == 0
     [index] = [file for file in kept(copy) if file.suffix == ".nbi"]
     assert len({*index.parent.glob(f"{index.stem}.*.nbc")}) == 2

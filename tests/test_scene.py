@@ -9,8 +9,6 @@ from md.scene import GAP, SCENES, as_dict, load
 
 from .rows import seeded
 
-EXAMPLES = sorted(path.stem for path in SCENES.glob("*.toml"))
-
 
 def test_a_scene_may_begin_with_a_byte_order_mark(tmp_path):
     """The mark, which editors on Windows write, is left out."""
@@ -27,13 +25,13 @@ def test_an_assignment_takes_what_python_writes():
 # What is a scene
 
 
-@pytest.mark.parametrize("name", EXAMPLES)
-def test_examples_load(name):
+@pytest.mark.parametrize("file", sorted(SCENES.glob("*.toml")))
+def test_examples_load(file):
     """Examples have a step, and load as files; one assignment may stand without a list."""
-    scene = load(name)
+    scene = load(file.stem)
     assert step_of(scene)[0] > 0
-    assert load(SCENES / f"{name}.toml") == scene
-    assert load(name, "start.seed=7") == seeded(scene, 7)
+    assert load(file) == scene
+    assert load(file, "start.seed=7") == seeded(scene, 7)
 
 
 def test_the_paper_s_row():

@@ -22,7 +22,7 @@ BOXES = 41.0, 43.0, 46.0, 50.0
 PARAMETERS = [
     {
         "name": part,
-        "keys": [f"contacts.{where}.{part}" for where in ("plate", "rods")],
+        "keys": [f"contacts.plate.{part}", f"contacts.rods.{part}"],
         "from": low,
         "to": high,
     }

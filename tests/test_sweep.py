@@ -53,8 +53,8 @@ def written(folder, sweep=SWEEP):
 
 def gathered(sweep, store):
     """Bytes of what the sweep measured."""
-    names = "c_x", "touches.flight_periods.mean", "phases"
-    return [found.tobytes() for found in sweep.gather(store, *names)]
+    found = sweep.gather(store, "c_x", "touches.flight_periods.mean", "phases")
+    return [array.tobytes() for array in found]
 
 
 @pytest.fixture(scope="module")
@@ -105,16 +105,14 @@ def test_what_is_there_is_not_computed_again(path):
         assert (tally.points, tally.distinct, tally.there) == (1000, 1, there)
         assert tally.computed == 1 - there
     (c_x,) = sweep.gather(path, "c_x")
-    assert c_x.shape == (1000,)
-    assert np.all(c_x == c_x[0])
+    assert np.array_equal(c_x, np.full(1000, c_x[0]))
 
 
 def test_results_come_back_with_their_coordinates(reference):
     """As a Dataset of xarray."""
     axis = {"start.tilt_deg": [10, 20, 30], "contacts.plate.law": ["coulomb", "appendix_a", "x"]}
     sweep, store = reference
-    zipped = replace(sweep, axes=(axis, sweep.axes[1]))
-    found = zipped.to_xarray(store, "c_x", "phases")
+    found = replace(sweep, axes=(axis, sweep.axes[1])).to_xarray(store, "c_x", "phases")
     c_x, phases = sweep.gather(store, "c_x", "phases")
     dims = "start_tilt_deg", "start_seed"
     shapes = {"c_x": dims, "phases": (*dims, "phases_0"), "c_x_stderr": dims}
@@ -275,12 +273,12 @@ def test_a_key_says_what_is_computed(monkeypatch):
 
     def keys():
         lengths = (5,), (6,), (0, 0.1), (0, 0.2), (0, 0.1, 7.0)
-        return [Point(one.scene, *length).key for one in scenes for length in lengths]
+        return {Point(one.scene, *length).key for one in scenes for length in lengths}
 
     before = keys()
-    assert len(set(before)) == 10
+    assert len(before) == 10
     monkeypatch.setattr("md.cache.digest", lambda: "other sources")
-    assert not set(keys()) & set(before)
+    assert not keys() & before
 
 
 def test_a_scheduler_that_dies_ends_the_sweep_in_one_line(path, monkeypatch):

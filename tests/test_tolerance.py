@@ -64,6 +64,12 @@ def interval(*runs, **how):
     return accuracy.interval([np.array([r.c_x_series, r.fell_series]) for r in runs], **how)
 
 
+def pooled(scene, periods):
+    """Interval of the two starts of a run to a tolerance."""
+    seeds = 1, accuracy.SEED_GAP + 1
+    return interval(*(md.run(seeded(scene, seed), periods=periods) for seed in seeds))
+
+
 def test_a_run_ends_as_soon_as_it_is_accurate():
     """Its first start is the plain run of that step and that many periods."""
     result = md.run(SCENE, tolerance=0.3, floor=0.05)
@@ -72,9 +78,8 @@ def test_a_run_ends_as_soon_as_it_is_accurate():
     assert result.scene == stepped(SCENE, 0.3)[0]
     plain = md.run(result.scene, periods=result.periods)
     assert_array_equal(plain.c_x_series, result.c_x_series)
-    other = seeded(result.scene, accuracy.SEED_GAP + 1)
     assert a.made == 2 * result.periods
-    found = interval(plain, md.run(other, periods=result.periods))
+    found = pooled(result.scene, result.periods)
     assert (result.c_x, a.statistical, a.chance) == (found.mean, found.half, found.chance)
     assert a.bias_error == ALLOWANCE * abs(result.c_x)
     assert a.error == pytest.approx(np.hypot(a.statistical, a.bias_error))
@@ -91,11 +96,7 @@ def test_the_bias_is_measured_by_steps_twice_as_long():
     a = result.accuracy
     assert (a.starts, a.bias_measured) == (4, True)
     longer = replace(result.scene, step=md.Step(2 * result.scene.step.size, coarse=True))
-    gap, each, means = accuracy.SEED_GAP, a.made // 4, []
-    for scene in (result.scene, longer):
-        seeds = scene.start.seed, scene.start.seed + gap
-        means.append(interval(*(md.run(seeded(scene, s), periods=each) for s in seeds)))
-    fine, coarse = means
+    fine, coarse = (pooled(scene, a.made // 4) for scene in (result.scene, longer))
     change = coarse.mean - fine.mean
     assert a.bias == pytest.approx(2 / 3 * change)
     assert a.bias_error == pytest.approx(abs(change) / 3)
@@ -152,8 +153,7 @@ def test_rods_that_fall_over_ever_more_often_have_not_settled():
     plain = replace(early, accuracy=None, discarded=0, c_x_series=drift)
     assert replace(plain, fell_series=np.arange(400.0)).settled is False
     assert replace(plain, fell_series=np.ones(400)).settled is True
-    lines = "\n".join(accuracy_lines(early))
-    assert f"rods fell over {early.accuracy.fell} times: a decay" in lines
+    assert f"rods fell over {early.accuracy.fell} times: a decay" in str(early)
 
 
 @pytest.mark.parametrize(("slope", "periods"), [(0, 124), (0, 123), (1, 124), (1, 200)])
@@ -162,11 +162,13 @@ def test_a_run_says_whether_its_drift_trends(slope, periods):
 
     The seed is of a noise without alarm, as two in a hundred have one.
     """
-    noise = 0.01 * default_rng(8).normal(size=periods)
-    result = md.run(row(), periods=2)
-    series = noise + slope * np.linspace(0, 1, periods)
-    series = {"c_x_series": series, "fell_series": np.zeros(periods)}
-    result = replace(result, **series, periods=periods, discarded=periods // 5)
+    result = replace(
+        md.run(row(), periods=2),
+        c_x_series=0.01 * default_rng(8).normal(size=periods) + slope * np.linspace(0, 1, periods),
+        fell_series=np.zeros(periods),
+        periods=periods,
+        discarded=periods // 5,
+    )
     expected = None if periods == 123 else slope == 0
     assert result.as_dict()["settled"] is expected
     assert ("not settled: drift or falls trend" in result_text(result)) == (expected is False)

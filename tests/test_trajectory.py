@@ -1,6 +1,8 @@
 """Trajectories as other programs read them: columns by their names, rods as spherocylinders."""
 
 import re
+import shlex
+import shutil
 from functools import partial
 
 import numpy as np
@@ -20,8 +22,7 @@ def parsed(path):
     lines, frames = path.read_text().splitlines(), []
     while lines:
         count, head, *rest = lines
-        pairs = re.findall(r'(\w+)=(?:"([^"]*)"|(\S+))', head)
-        about = {key: quoted or plain for key, quoted, plain in pairs}
+        about = dict(pair.split("=") for pair in shlex.split(head))
         fields = re.findall(r"(\w+):([SRI]):(\d+)", about["Properties"])
         words = np.array([line.split() for line in rest[: int(count)]])
         assert words.shape == (int(count), sum(int(width) for *_, width in fields))
@@ -47,7 +48,7 @@ def written(request, tmp_path):
 def test_columns_say_where_each_rod_is_and_what_it_looks_like(written):
     """The quaternion turns the z axis into the rod's; shape: radius twice, length between caps."""
     scene, (place, director, velocity, omega), path = written
-    first, frame = parsed(path)
+    _, frame = parsed(path)
     assert (frame["species"] == "rod").all()
     assert (frame["Z"] == 0).all()
     assert frame["id"][:, 0].tolist() == list(range(len(place)))
@@ -63,7 +64,6 @@ def test_columns_say_where_each_rod_is_and_what_it_looks_like(written):
     assert (low <= place).all()
     assert (place <= high).all()
     assert frame["pbc"] == ("F F F" if scene.annulus else "T F F")
-    assert (first["Time"], frame["Time"]) == ("0.0", "1.0")
 
 
 def test_small_tilts_in_space_keep_their_digits():
@@ -90,7 +90,7 @@ def test_frames_go_on_or_the_run_does_not(tmp_path, monkeypatch):
     md.run(row(), periods=2, trajectory=path, checkpoint=kept)
     whole = path.read_text()
     md.run(row("rods.count=3"), periods=3, trajectory=new)
-    (later := tmp_path / "later.npz").write_bytes(kept.read_bytes())
+    later = shutil.copy(kept, tmp_path / "later.npz")
     md.run(row(), periods=3, checkpoint=later)
     monkeypatch.setattr(simulation, "prepare", pytest.fail)
     with pytest.raises(md.InputError, match="must be a new file or one of frames"):

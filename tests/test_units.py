@@ -46,7 +46,7 @@ def test_a_scene_in_cm_is_the_scene(key):
     assert set(SAME) == set(TWINS)
     given, own, value = SAME[key]
     base = put(TABLES, RING if key.startswith("annulus") else {})
-    found, same = (from_tables(put(base, {k: v})) for k, v in ((key, given), (own, value)))
+    found, same = from_tables(put(base, {key: given})), from_tables(put(base, {own: value}))
     if key.endswith("cm") and not key.startswith("plate"):
         assert found == same
     part, name = own.split(".")
@@ -86,8 +86,8 @@ def test_a_sweep_along_an_amplitude(path):
     assert len(lines) == 4
     for row in table(path)[1]:
         assert (row["rods.length"], row["rods.length_cm"]) == (8.0, 4.0)
-        assert row["c_x_cm_s"] == pytest.approx(row["c_x"] * sqrt(981 * 0.5))
-        assert row["c_x_stderr_cm_s"] == pytest.approx(row["c_x_stderr"] * sqrt(981 * 0.5))
+        for name in ("c_x", "c_x_stderr"):
+            assert row[f"{name}_cm_s"] == pytest.approx(row[name] * sqrt(981 * 0.5))
 
 
 def test_what_a_run_prints_in_cm(tmp_path):
