@@ -63,13 +63,10 @@ APPROACHES = [  # c_x, c_z, omega: slip of both signs, fast, slow and none to sp
 ]
 
 
-def step(per_contact):
-    return md.laws.contact_time(md.coulomb(stiffness=STIFF), 1.0) / per_contact
-
-
+CONTACT = md.laws.contact_time(md.coulomb(stiffness=STIFF), 1.0)
 INTEGRATED = [
-    {"integrator": "verlet", "dt": step(100)},
-    {"integrator": "gear", "dt": step(800)},  # its derivatives know nothing of jumps
+    {"integrator": "verlet", "dt": CONTACT / 100},
+    {"integrator": "gear", "dt": CONTACT / 800},  # its derivatives know nothing of jumps
     {"integrator": "dop853", "tilts": TILTS[::4]},
 ]
 OTHER_RODS = [

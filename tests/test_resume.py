@@ -117,8 +117,8 @@ def test_a_run_without_an_account_of_the_energy_goes_on_without_one(path):
 # Trajectories of resumed runs
 
 
-def run(periods, checkpoint="w.npz", **options):
-    md.run(row(*LIVELY), periods=periods, checkpoint=checkpoint, **options)
+def run(periods, **options):
+    md.run(row(*LIVELY), periods=periods, checkpoint="w.npz", **options)
 
 
 def times(file):
@@ -126,26 +126,20 @@ def times(file):
     return [float(time) for time in re.findall(r" Time=(\S+) ", Path(file).read_text())]
 
 
-@pytest.fixture
-def begun(here):
-    """Checkpoints after 20 periods, with a trajectory and without."""
-    run(20, trajectory="a.xyz")
-    run(20, "alone.npz")
-    return here
-
-
 @pytest.mark.parametrize("part", [b"5\n", b'5\nLattice="1" Time=', b"5\nsomething else\n"])
-def test_what_a_killed_run_left_of_a_frame_is_cut_off(begun, part):
-    with (begun / "a.xyz").open("ab") as file:
+def test_what_a_killed_run_left_of_a_frame_is_cut_off(here, part):
+    run(20, trajectory="a.xyz")
+    with (here / "a.xyz").open("ab") as file:
         file.write(part)
     run(21, trajectory="a.xyz")
     assert times("a.xyz") == [*range(21)]
 
 
-@pytest.mark.usefixtures("begun")
+@pytest.mark.usefixtures("here")
 def test_a_trajectory_may_begin_with_a_resumed_run():
+    run(20)
     for periods, name in ((23, "new.xyz"), (24, "./new.xyz")):
-        run(periods, "alone.npz", trajectory=name)
+        run(periods, trajectory=name)
         assert times(name) == [*range(20, periods)]
 
 

@@ -41,7 +41,7 @@ def made_run(point):
     contact, box = point.scene.contacts.plate, point.scene.box.length
     scatter = default_rng([point.scene.start.seed, int(1e6 * contact.friction)])
     value = drift(contact.friction, contact.law.restitution, box)
-    return {"c_x_cm_s": value + 0.03 * scatter.standard_normal(), "periods": point.periods}
+    return {"c_x_cm_s": scatter.normal(value, 0.03), "periods": point.periods}
 
 
 def tables(folder, friction=TRUE["friction"], error=ERROR, **changes):
@@ -87,7 +87,7 @@ def test_stated_errors_are_those_of_many_data_sets(found):
     random, off = default_rng(4), []
     for _ in range(20):
         moved = tuple(
-            target._replace(value=target.value + ERROR * random.standard_normal())
+            target._replace(value=random.normal(target.value, ERROR))
             for target in found.search.targets
         )
         told = replace(found, search=replace(found.search, targets=moved)).estimates.parameters

@@ -181,8 +181,8 @@ def test_an_annulus_is_seen_to_settle():
     """
     scene = md.load("annulus")
     step = md.Step(steps_per_contact(scene, 1.0) / 16, coarse=True)
-    starts = (seeded(replace(scene, step=step), seed) for seed in (3, 4))
-    results = [md.run(start, periods=1500) for start in starts]
+    scene = replace(scene, step=step)
+    results = [md.run(seeded(scene, seed), periods=1500) for seed in (3, 4)]
     short = replace(results[0], c_x_series=results[0].c_x_series[:600], discarded=120)
     assert short.settled is False
     one, other = (interval(result, annulus=True) for result in results)
