@@ -61,29 +61,24 @@ def _friction_phases(u, v, respond, mu):
 
     `respond` gives the change of the contact velocity under an impulse.
     """
-
-    def slopes(ratio):
-        return respond(ratio, 1)
-
     # The ratio at which a tangential impulse cancels the slip caused by a unit normal impulse.
-    u_tangential, u_normal = respond(1, 0)[0], slopes(0)[0]
-    stick_ratio = -u_normal / u_tangential
+    stick_ratio = -respond(0, 1)[0] / respond(1, 0)[0]
 
     phases, p_stop = [], mpf(0)
     if u != 0:
         ratio = -sign(u) * mu
-        du, dv = slopes(ratio)
+        du, dv = respond(ratio, 1)
         p_stop = -u / du if u * du < 0 else inf
         phases.append(Phase(ratio, mpf(0), p_stop, v, dv))
     sticks = abs(stick_ratio) <= mu
     if not isinf(p_stop):
         if phases:
-            v += respond(phases[0].ratio * p_stop, p_stop)[1]
+            v += phases[0].slope * p_stop
         # Slip resumes in the direction that friction is too weak to prevent.  The fallback is
         # for |stick_ratio| = mu within rounding, where sticking and slipping coincide.
-        slipping = (-s * mu for s in (1, -1) if s * slopes(-s * mu)[0] > 0)
+        slipping = (-s * mu for s in (1, -1) if s * respond(-s * mu, 1)[0] > 0)
         ratio = stick_ratio if sticks else next(slipping, stick_ratio)
-        phases.append(Phase(ratio, p_stop, inf, v, slopes(ratio)[1]))
+        phases.append(Phase(ratio, p_stop, inf, v, respond(ratio, 1)[1]))
     return phases, sticks, stick_ratio
 
 
@@ -194,8 +189,7 @@ def reference_collide(
         before, zero = State(c_x, c_z - V_z, omega, X, Z, k), mpf(0)
         u, v = contact_velocity(before)
         if v >= 0:
-            margins = Margins(inf, inf)
-            return Reference(c_x, c_z, omega, NO_IMPACT, zero, zero, u, v, zero, margins)
+            return Reference(c_x, c_z, omega, NO_IMPACT, zero, zero, u, v, zero, Margins(inf, inf))
 
         regime, P_x, P_z, margins, _ = _walk(u, v, partial(response, before), mu, e, law)
         after = apply_impulse(before, P_x, P_z)
@@ -204,7 +198,7 @@ def reference_collide(
         if regime == SLIP_STICK:
             slip = zero  # by definition of the phase; the sum leaves rounding
         energy_change = kinetic_energy(after) - kinetic_energy(before)
-        velocities = (c_x + P_x, after.c_z + V_z, after.omega)
+        velocities = after.c_x, after.c_z + V_z, after.omega
         return Reference(*velocities, regime, P_x, P_z, slip, normal, energy_change, margins)
 
 
