@@ -12,7 +12,6 @@ from scipy.spatial.transform import Rotation
 
 import md
 from md.host import plate_motion, prepare
-from md.kernels import single
 from md.kernels.codes import (
     C_X,
     C_Z,
@@ -68,7 +67,7 @@ from .rows import (
     vectors,
 )
 from .sampling import EPS, power
-from .track import CONTACT, LAWS, damped, effects, track
+from .track import CONTACT, LAWS, damped, each_integrator, effects, track
 
 FALLING = PLANE._replace(gravity=(0.0, -1.0), plate=AT_REST)
 HELD = Friction(0.3, None)
@@ -170,7 +169,7 @@ def test_rods_start_apart_and_with_no_momentum(name):
     assert abs(along.mean()) < EPS
 
 
-@pytest.mark.parametrize("integrator", single.METHODS)
+@each_integrator
 def test_m15_horizontal_momentum_where_nothing_acts(integrator):
     """Horizontal velocity without friction stays, to 1e-12, however many impacts there are."""
     dt, steps = 4e-5, 1_000_000
