@@ -9,10 +9,9 @@ import md
 from md.host import plate_motion, prepare
 from md.kernels import touches as columns
 from md.kernels.codes import C_X, C_Z, COSINE, OMEGA, ROW_VELOCITY, SINE, WATCH_TOUCHED, Z
-from md.kernels.contact import Friction
 from md.measures import HOP, Tables, merged
 
-from .rows import HALF, PLANE, go, in_plane, recorded, ring, row, started
+from .rows import HALF, HELD, PLANE, go, in_plane, recorded, ring, row, started
 
 LIVELY = "plate.acceleration=5"
 
@@ -35,7 +34,7 @@ def test_touches_are_those_that_every_step_shows():
     """
     plate, dt = plate_motion(row(), per := 2246), 3e-4
     rod = 0, plate.height[0] + 0.5 + HALF * np.cos(0.6) + 1e-6, 0.6
-    scene = PLANE._replace(gravity=(0.0, -1.0), plate=plate, friction=Friction(0.3, None))
+    scene = PLANE._replace(gravity=(0.0, -1.0), plate=plate, friction=HELD)
     engine = started(scene, in_plane(rod, (1e3, 1e3, 0)), dt)
     states = np.array(
         [engine.rods[0].copy(), *(go(engine, 1).rods[0].copy() for _ in range(8 * per))]
