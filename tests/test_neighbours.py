@@ -12,11 +12,9 @@ from md.host import prepare
 from md.kernels import neighbours
 from md.kernels.codes import (
     PAIR_FRICTION,
-    ROW_DIRECTION,
-    ROW_PLACE,
     SKIN,
 )
-from md.kernels.neighbours import PAIR, Axes, near_end
+from md.kernels.neighbours import PAIR
 from md.kernels.vectors import IN_PLANE, IN_SPACE
 
 from .rows import (
@@ -195,18 +193,16 @@ CLOSING = {  # as fast as rods of a largest speed of 1 may, from a gap of 0.05 d
 def test_what_sleeps_wakes_in_time(name):
     """Pairs that sleep give the bits of a run in which nothing sleeps."""
     usual, often = (started(ELASTIC_PLANE, in_plane(*CLOSING[name])) for _ in range(2))
-    slept, wide = 0, []
+    slept, deep = 0, []
     for _ in range(400):
         often.state.listed.asleep[:] = 0.0
         go(often, 1), go(usual, 1)
         listed = usual.state.listed
         slept += np.count_nonzero(listed.asleep[0, [1, PAIR]] > listed.travelled)
-        apart = tuple(np.subtract(*usual.rods[:, ROW_PLACE]))
-        near = near_end(Axes(apart, *map(tuple, usual.rods[:, ROW_DIRECTION])), HALF, 1)
-        wide.append(1 - np.sqrt(near.square))
+        deep.append(overlap(meetings(usual.rods)[0][1]))  # of the first rod's upper end
     assert slept > 50
-    assert min(wide) < -0.04
-    assert max(wide) > 0.001
+    assert min(deep) < -0.04
+    assert max(deep) > 0.001
     same(usual, often)
 
 
