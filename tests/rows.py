@@ -81,7 +81,8 @@ def ring(*assignments):
 
 # Rods without a scene
 
-AT_REST, FAR_BELOW = (Motion(np.full(1, height), np.zeros(1)) for height in (0.0, -1e3))
+AT_REST = Motion(np.zeros(1), np.zeros(1))
+FAR_BELOW = AT_REST._replace(height=np.full(1, -1e3))
 LOSSY_FORCES = ContactForces(LOSSY.normal, ROUGH)
 ELASTIC_RODS = ContactForces(ELASTIC, SMOOTH)
 FREE = Effects(HALF, LIGHT, *LOSSY_FORCES, plate=FAR_BELOW, between=LOSSY_FORCES)

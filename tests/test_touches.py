@@ -189,7 +189,7 @@ def test_records_have_the_means_and_phases_of_the_run(made, kind):
     read, speed = getattr(md.records, kind), result.scene.plate_speed
     found = read(rows, result)
     assert np.isnan(found["flight"]).any()
-    (along,) = found.dims
+    [along] = found.dims
     behind = (found.time >= result.discarded) & np.isfinite(found.flight)
     part = found.sel({along: behind})
     assert part.sizes[along] > 40
