@@ -427,8 +427,8 @@ def _measured(path: Path, result: str) -> list[Target]:
     lines = (line for line in text_of(path).splitlines() if line.strip() and line[0] != "#")
     try:
         heads, *rows = [[cell.strip() for cell in row] for row in csv.reader(lines)] or [[]]
-    except csv.Error as error:  # a cell of a hundred thousand letters
-        raise InputError(f"{path}: {error}") from None
+    except csv.Error as why:  # a cell of a hundred thousand letters
+        raise InputError(f"{path}: {why}") from None
     if not rows or not {result, "error"} < set(heads) or len(set(heads)) < len(heads):
         columns = f"columns {result}, error and keys of the scene, each once"
         raise InputError(f"{path} must have {columns}, and rows; got {', '.join(heads)}")

@@ -44,6 +44,7 @@ class Together(LoadFileScheduling):
         return next((group for group, names in TOGETHER.items() if name in names.split()), name)
 
 
+@pytest.hookimpl(optionalhook=True)  # pytest also runs without xdist
 def pytest_xdist_make_scheduler(config, log):
     return Together(config, log)
 

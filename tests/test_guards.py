@@ -121,17 +121,31 @@ def test_m8_crossing_rods_do_not_pass_through_each_other(seed):
         assert deep == (speed == 60)
 
 
-def test_m8_what_is_too_deep_is_named():
+@pytest.mark.parametrize(
+    ("columns", "to", "words"),
+    [
+        (slice(PLACE, DIRECTOR), (0, 0, -1), "rod 3: more than 0.5 d deep in the plate"),
+        (slice(PLACE, DIRECTOR), (-1, 0, 0), "rod 3: more than 0.5 d deep in a wall"),
+        (slice(PLACE, DIRECTOR), (1, 0, 0), "rod 3: more than 0.5 d deep in a wall"),
+        (slice(VELOCITY, TURN), (0, 0, 3e3), "rod 3: moved more than 0.25 d in a step"),
+    ],
+)
+def test_m8_what_is_too_deep_or_too_fast_is_named(columns, to, words):
+    engine = prepare(ring())
+    outwards = engine.rods[3, :2] / np.hypot(*engine.rods[3, :2])
+    engine.rods[3, columns] += (*(to[0] * outwards), to[2])
+    before = engine.rods.copy()
+    with pytest.raises(md.RunError, match=words) as error:
+        go(engine, 10)
+    if "deep" in words:
+        assert_array_equal(error.value.state, before)
+
+
+def test_m8_two_rods_in_one_place_are_named():
     engine = prepare(ring())
     engine.rods[3, :VELOCITY] = engine.rods[1, :VELOCITY] + 1e-3
     with pytest.raises(md.RunError, match=r"rods 1 and 3: more than 0.5 d deep in each other"):
         go(engine, 10)
-    engine = prepare(ring("rods.count=2"))
-    engine.rods[1, PLACE + 2] -= 1
-    before = engine.rods.copy()
-    with pytest.raises(md.RunError, match=r"rod 1: more than 0.5 d deep in the plate") as error:
-        go(engine, 10)
-    assert_array_equal(error.value.state, before)
 
 
 # M10: walls

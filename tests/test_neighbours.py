@@ -13,6 +13,7 @@ from md.kernels import neighbours
 from md.kernels.codes import (
     PAIR_FRICTION,
     SKIN,
+    X,
 )
 from md.kernels.neighbours import PAIR
 from md.kernels.vectors import IN_PLANE, IN_SPACE
@@ -118,10 +119,9 @@ def test_neighbours_by_azimuth_are_all_close_pairs(radius, count):
 
 
 @pytest.mark.parametrize(("n", "period"), [(1, 2.01), (10, 11.5), (20, 26.0)])
-def test_m9_forces_are_those_of_all_pairs(n, period):
+def test_forces_are_those_of_all_pairs(n, period):
     """Every image of every pair counts once, as by brute force; some ten forces round by EPS each.
 
-    Rods stand several periods apart: one added to the place of any of them changes no force.
     In the box of 2.01 a rod touches its own images, which turn it upright.
     """
     random = default_rng(1)
@@ -135,6 +135,21 @@ def test_m9_forces_are_those_of_all_pairs(n, period):
     # rounding places of up to 4 periods changes an overlap by 4 EPS period
     steep = 1.5 * SOFT * 0.5 * 10
     assert_allclose(got, want, rtol=1e-12, atol=steep * 16 * EPS * period)
+
+
+def test_m9_a_period_added_to_any_rod_changes_no_force():
+    """Forces change by what rounding a place does, 4 ulp of it times the steepest slope."""
+    random, n, period = default_rng(3), 6, 6.3
+    x = np.arange(n) * period / n + 0.01 * random.normal(size=n)
+    rods = in_plane(*((place, 5.0, np.arccos(n / period)) for place in x))
+    usual = pushed(rods, period)
+    assert np.abs(usual).max() > 100
+    for _ in range(20):
+        moved = rods.copy("K")
+        moved[:, X] += (far := random.integers(-5, 6, n) * period)
+        ulp = np.spacing(np.abs(far).max() + period)
+        steep = 1.5 * SOFT * 0.5 * 8 * 5  # eight ends of overlap below 1/4, arms of 5
+        assert np.abs(pushed(moved, period) - usual).max() <= 4 * ulp * steep
 
 
 # While rods move
