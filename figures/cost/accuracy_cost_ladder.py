@@ -169,19 +169,11 @@ def panel(ax: Axes, d: Data) -> None:
     for group, (colour, marker) in LOOKS.items():
         for unclear in (False, True):
             here = (d["group"] == group) & ((np.abs(off) <= error) == unclear)
-            face = "white" if unclear else colour
-            ax.errorbar(
-                off[here],
-                y[here],
-                xerr=error[here],
-                fmt=marker,
-                color=colour,
-                mfc=face,
-                elinewidth=0.8,
-            )
-    seconds, beside = EngFormatter("s", places=1), {"va": "center", "ha": "right"}
+            look = {"color": colour, "mfc": "white" if unclear else colour, "elinewidth": 0.8}
+            ax.errorbar(off[here], y[here], xerr=error[here], fmt=marker, **look)
+    seconds, beside = EngFormatter("s", places=1), ax.get_yaxis_transform()
     for at, time in zip(y, d["seconds"], strict=True):
-        ax.text(1.15, at, seconds(time), transform=ax.get_yaxis_transform(), **beside)
+        ax.text(1.15, at, seconds(time), transform=beside, va="center", ha="right")
     kinds = {"another model": -1.0, "the same model": y[computed].min() - 1}
     names = [f"{group}: {label}" for group, label in zip(d["group"], d["label"], strict=True)]
     bold = [rf"$\bf{{{kind}}}$".replace(" ", r"\ ") for kind in kinds]

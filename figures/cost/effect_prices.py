@@ -28,7 +28,16 @@ from md.sweep import Sweep
 
 from ..lib.runs import SIMPLE_ROW, means, planned, starts
 from ..lib.style import BLUE, ORANGE, Data, note, style
-from ..lib.timing import estimate, in_turn, machine_line, measured_here, onward, steady, waited
+from ..lib.timing import (
+    Sampler,
+    estimate,
+    in_turn,
+    machine_line,
+    measured_here,
+    onward,
+    steady,
+    waited,
+)
 from .scene_variants import BARE, FULL, GROUPS, STEP_SIZE, Effect, Variant, variants
 
 Place = tuple[dict[str, np.ndarray], int]  # all that changes in a run, and the number of its step
@@ -68,7 +77,7 @@ def _settled(settle: int) -> tuple[list[Place], list[Place]]:
     return moving, still
 
 
-def _call(engine: Engine, series: Series | None, places: list[Place]) -> Callable[[], float]:
+def _call(engine: Engine, series: Series | None, places: list[Place]) -> Sampler:
     """Time of a step of a rod, mean over the places; the call and the restart do not count."""
     steps = engine.per // PART
 
@@ -182,8 +191,8 @@ def panel(ax: Axes, d: Data) -> None:
     lowest = min((price - error).min(), -0.05 * longest)
     for side, (key, colour, label) in zip((-0.2, 0.2), _LOOKS, strict=True):
         value, error, _ = d[key].T
-        thin = {"elinewidth": 0.7}
-        ax.barh(y + side, value, 0.38, xerr=error, color=colour, label=label, error_kw=thin)
+        look = {"color": colour, "label": label, "error_kw": {"elinewidth": 0.7}}
+        ax.barh(y + side, value, 0.38, xerr=error, **look)
         for at, one, off in zip(y + side, value, error, strict=True):
             start = max(one, 0) + off + 0.01 * longest
             words = plus_minus(one, off).replace("-", "−")
