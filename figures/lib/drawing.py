@@ -60,11 +60,10 @@ def produce(
             raise
         raise InputError(f"{kept / name}.npz holds no data of {name}: {error}") from None
     by = {"quick": quick, "own": own} if kept is None else made(kept / f"{name}.npz")
-    marks = ["quick"] if by.get("quick") else []
-    marks += ["values not the paper's"] if by.get("own") else []
-    if marks:
-        words = picture.get_supxlabel()
-        style(note)(picture, "; ".join([words, *marks] if words else marks))
+    marks = [by.get("quick") and "quick", by.get("own") and "values not the paper's"]
+    if any(marks):
+        words = filter(None, [picture.get_supxlabel(), *marks])
+        style(note)(picture, "; ".join(words))
     stamp = {"Title": f"{FIGURES[name].title} (impact {DIGEST})"}
     npz, png, pdf = (out / file for file in files_of(name))
     try:
