@@ -82,10 +82,10 @@ def reference(impacts: Impacts, law: str = "newton") -> Reference:
     n = impacts.c_x.size
     regime, (high, low) = np.empty(n, np.int8), np.empty((2, 5, n))
     with mpmath.workdps(DIGITS):
-        for i, row in enumerate(zip(*(column.tolist() for column in impacts), strict=True)):
+        for i, row in enumerate(np.transpose(impacts).tolist()):
             regime[i], values = exact([mpmath.mpf(value) for value in row], law)
-            high[:, i] = [float(value) for value in values]
-            low[:, i] = [float(value - float(value)) for value in values]
+            high[:, i] = values
+            low[:, i] = [value - float(value) for value in values]
     c_x, c_z, omega, V_z, X, Z, k = impacts[:7]
     P_x, P_z = np.abs(high[2:4])
     size = np.max(np.abs([c_x, c_z - V_z, omega * X, omega * Z, P_x, P_z]), axis=0)
