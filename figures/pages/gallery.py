@@ -59,8 +59,13 @@ templates = Environment(
     keep_trailing_newline=True,
 )
 templates.filters |= {"time": _time, "shown": judge.shown, "limits": judge.limits_shown}
-templates.globals |= {"judge": judge, "one_state_deg": ONE_STATE_DEG, "checked": CHECKED}
-templates.globals |= {"pm": plus_minus, "runs_of": _runs_of}
+templates.globals |= {
+    "judge": judge,
+    "one_state_deg": ONE_STATE_DEG,
+    "checked": CHECKED,
+    "pm": plus_minus,
+    "runs_of": _runs_of,
+}
 
 
 def claims_page(report: dict[str, Any]) -> str:
@@ -91,9 +96,9 @@ def pages() -> dict[Path, str]:
     prices = json.loads((GALLERY / "prices.json").read_text(encoding="utf-8"))
     report = judge.load(GALLERY / "claims.json")
     numbers = {name: _short(row) for name, row in judge.numbers(report).items()}
-    given = {"prices": prices, "report": report, "number": numbers}
-    given["ladder"] = ladder = {rung["label"]: rung for rung in prices["ladder"]}
+    ladder = {rung["label"]: rung for rung in prices["ladder"]}
     steps = [label for label, rung in ladder.items() if rung["group"] == "step"]
+    given = {"prices": prices, "report": report, "number": numbers, "ladder": ladder}
     given["middle"] = steps[-2]  # of the steps: its row is the plain one
     made = {GALLERY / "claims.md": claims_page(report)}
     for name in ("costs.md", "effects.md"):
