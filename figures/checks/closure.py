@@ -39,12 +39,11 @@ from ..lib.runs import (
     boxes,
     drift_and_tilt,
     gathered,
-    over_seeds,
     paper_rod,
     periods_of,
     planned,
+    seed_means,
     starts,
-    with_error,
 )
 from ..lib.style import (
     BLACK,
@@ -243,19 +242,17 @@ def data(quick: bool = False) -> Data:
     steps, single = np.split(scene.cm_per_s * drifts(tilt, speed, measured), [len(STEPS)])
     landed = scene.cm_per_s * drifts(tilt, speed, closures_of(of, LANDED))[: len(STEPS)]
 
-    found: Data = drift_and_tilt(sweep)
     units = {"V_z": speed, "gain": speed, "spin": 2 * speed / LENGTH}
     larger = np.array(CLOSURE_TILTS_DEG[quick]) > SMALL_DEG
-    for name, values in {
+    results = {
         **{name: array / units.get(name, 1.0) for name, array in measured.items()},
         "step": steps,
         "left": left(row, steps),
         "left_single": left(row, single),
         "left_larger": left(row[larger], steps[:, larger]),
         "left_landing": left(row, landed),
-    }.items():
-        found |= with_error(name, *over_seeds(values))
-    return found
+    }
+    return drift_and_tilt(sweep) | seed_means(results)
 
 
 LEGEND: Look = {"loc": "upper center", "ncols": 2}

@@ -28,10 +28,9 @@ from ..lib.runs import (
     boxes,
     gathered,
     nearest,
-    over_seeds,
     planned,
+    seed_means,
     starts,
-    with_error,
 )
 from ..lib.style import (
     BLACK,
@@ -170,7 +169,7 @@ def data(quick: bool = False) -> Data:
         "middle": np.nanmax(long["middle"].reshape(-1, lived.shape[-1]), axis=0),
         "still_there": still_there(lived),
         "driven_deg": _in_parts(slow["tilt_deg"]).mean(axis=1),
-        **with_error("driven_c_x", *over_seeds(slow_c_x)),
+        **seed_means({"driven_c_x": slow_c_x}),
     }
 
 

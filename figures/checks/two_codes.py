@@ -24,7 +24,7 @@ import numpy as np
 from md.scene import put, read_tables
 from md.sweep import Sweep
 
-from ..lib.runs import SEEDS, both, boxes, means, over_seeds, planned, with_error
+from ..lib.runs import SEEDS, both, boxes, means, planned, seed_means
 from ..lib.style import ORANGE, Data, curve, legend_above, painted, style
 
 MEASURED = {  # in the columns of the table, with the names that a run has for them
@@ -66,10 +66,8 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
 def data(quick: bool = False) -> Data:
     """What both programs found, over the nominal tilt, with standard errors over starts."""
     tilts, found = other()
-    d = {"nominal_deg": tilts, **means(sweeps(quick)["row"], MEASURED)}
-    for name, values in zip(MEASURED, found, strict=True):
-        d |= with_error(f"other_{name}", *over_seeds(values))
-    return d
+    others = {f"other_{name}": values for name, values in zip(MEASURED, found, strict=True)}
+    return {"nominal_deg": tilts, **means(sweeps(quick)["row"], MEASURED), **seed_means(others)}
 
 
 def _beside(ax, d, name: str):

@@ -74,7 +74,7 @@ TILT_SCAN_WORDS = (
 _WALLS = {f"contacts.wall.{name}": plate for name, (plate, _) in LAW_OF.items()}
 ASSUMED_NAME = "restitution 0.65, tangential ratio 3 of plate, rods and walls"  # before the search
 SIMPLE_ANNULUS = read_tables("annulus")  # under that law
-ANNULUS = put(SIMPLE_ANNULUS, {**LAW, **_WALLS})  # walls are like the plate
+ANNULUS = put(SIMPLE_ANNULUS, LAW | _WALLS)  # walls are like the plate
 ANNULUS_SCENE = from_tables(ANNULUS)
 ANNULUS_COUNT = ANNULUS_SCENE.rods.count  # of Fig. 5(b), and of all that is not over this number
 _ANNULUS_WORDS = (
@@ -247,12 +247,17 @@ def with_error(name: str, mean: np.ndarray, error: np.ndarray) -> dict[str, np.n
     return {name: mean, f"{name}_error": error}
 
 
-def means(sweep: Sweep, names: Mapping[str, str]) -> dict[str, np.ndarray]:
-    """Means over seeds of results of a sweep, with `name_error` beside them."""
+def seed_means(results: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Means of arrays over the seeds, their last axis, with `name_error` beside them."""
     found: dict[str, np.ndarray] = {}
-    for name, values in zip(names, gathered(sweep, *names.values()), strict=True):
+    for name, values in results.items():
         found |= with_error(name, *over_seeds(values))
     return found
+
+
+def means(sweep: Sweep, names: Mapping[str, str]) -> dict[str, np.ndarray]:
+    """Means over seeds of results of a sweep, with `name_error` beside them."""
+    return seed_means(dict(zip(names, gathered(sweep, *names.values()), strict=True)))
 
 
 DRIFT_AND_TILT = "c_x_cm_s", "c_x_stderr_cm_s", "tilt_deg", "tilt_stderr_deg"  # of a run
