@@ -65,7 +65,7 @@ def _lines(points: int) -> Data:
 def data(quick: bool = False) -> Data:
     """Errors on the map, shape (friction, tilt), and its boundary lines."""
     cells, samples, points = ((45, 30), 2, 201) if quick else ((180, 120), 5, 1001)
-    return {**_map(cells, samples), **_lines(points)}
+    return _map(cells, samples) | _lines(points)
 
 
 @style

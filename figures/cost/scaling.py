@@ -24,7 +24,7 @@ from md.scene import from_tables, put
 from md.sweep import execute
 
 from ..lib.runs import SIMPLE_ROW, planned, starts
-from ..lib.style import BLACK, BLUE, Data, log_log, note, painted, style
+from ..lib.style import BLACK, BLUE, GUIDE, Data, log_log, note, painted, style
 from ..lib.timing import (
     Sampler,
     estimate,
@@ -128,7 +128,7 @@ def panel(ax: Axes, d: Data) -> None:
     counts = d["counts"]
     ms, _, spread = d["row"].T * counts * d["steps_per_period"] * 1e-6
     guide = np.median(ms / counts) * counts
-    ax.plot(counts, guide, "--", color="0.55", lw=0.8, label="proportional to $N$")
+    ax.plot(counts, guide, "--", **GUIDE, label="proportional to $N$")
     ax.errorbar(counts, ms, spread / 2, fmt="o", color=BLUE, ms=3, lw=0.8, label="measured")
     log_log(ax, xlabel="number of rods $N$", ylabel="time of a period (ms)")
     rate = _throughput(d)[0]
@@ -142,7 +142,7 @@ def panel(ax: Axes, d: Data) -> None:
 def _draw_cores(ax, d):
     (rate, error), workers = _throughput(d), d["workers"]
     ends = np.array([0, workers[-1]])
-    ax.plot(ends, rate[0] * ends, "--", color="0.55", lw=0.8, label="proportional to cores")
+    ax.plot(ends, rate[0] * ends, "--", **GUIDE, label="proportional to cores")
     ax.errorbar(workers, rate, error, fmt="s", color=BLACK, ms=3, lw=0.8, label="measured")
     ax.set(xlabel="cores", ylabel="million steps of a rod per second")
     ax.set(xlim=(0, 1.1 * workers[-1]), ylim=(0, 1.1 * rate[0] * workers[-1]))
