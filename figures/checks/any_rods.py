@@ -51,8 +51,7 @@ def draw(d: Data) -> plt.Figure:
     names = sorted(found, key=lambda name: found[name]["share"])
     for i, name in enumerate(names):
         ax.barh(i, found[name]["share"], color=SKY, alpha=0.5)
-        words = f"{name.partition('.')[0]} {JUDGED[name]['name']}"
-        ax.text(0.005, i, words, va="center")
+        ax.text(0.005, i, f"{name.partition('.')[0]} {JUDGED[name]['name']}", va="center")
         if of := found[name]["follows"]:
             words = f"{of['property']} ({of['rank']:+.2f})".replace("-", "−")
             ax.text(1.34, i, words, va="center", ha="right")

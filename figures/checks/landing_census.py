@@ -13,8 +13,6 @@ Gamma; (e) over what rods lose when they meet. Dotted in (a) to (c): the tilt be
 cannot hold a tip.
 """
 
-from functools import cache
-
 import matplotlib.pyplot as plt
 import numpy as np
 from scipy.optimize import brentq
@@ -83,7 +81,6 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
     }
 
 
-@cache
 def reversal_tilt() -> float:
     """Tilt [deg] beyond which friction cannot hold the tip of the row's rods."""
     return np.degrees(brentq(lambda tilt: critical_friction(paper_rod(tilt)) - FRICTION, 0, 0.8))
