@@ -65,8 +65,7 @@ def draw(d: Data) -> plt.Figure:
     ax.axhline(half_ulp, **GUIDE, ls=":")
     ax.text(2.3, 1.3 * half_ulp, "half an ulp", va="bottom")
     ax.axvline(1e9 * d["memory_seconds"], **GUIDE, ls="--")
-    beside = 1.35e9 * d["memory_seconds"]
-    ax.text(beside, 1e-3, "one pass through memory", rotation=90, va="center")
+    ax.text(1.35e9 * d["memory_seconds"], 1e-3, "one pass through memory", rotation=90, va="center")
     log_log(ax, xlim=(2, 1e4), ylim=(1e-18, 1e5))
     ax.set(xlabel="time per impact (ns)", ylabel="relative error")
     figure.legend(loc="outside right center", title="filled: largest error\nopen: median")

@@ -12,6 +12,7 @@ or contacts of rods no row is left to drift; what only measures does not change 
 """
 
 from collections.abc import Callable
+from copy import deepcopy
 from math import ceil
 from time import perf_counter
 
@@ -26,7 +27,7 @@ from md.kernels.march import Series
 from md.scene import put
 from md.sweep import Sweep
 
-from ..lib.runs import SIMPLE_ROW, means, planned, starts
+from ..lib.runs import SIMPLE_ROW, gathered, over_seeds, planned, starts
 from ..lib.style import BLUE, ORANGE, Data, note, style
 from ..lib.timing import (
     Sampler,
@@ -66,14 +67,14 @@ def _settled(settle: int) -> tuple[list[Place], list[Place]]:
     onward(engine, settle * engine.per)
     for _ in range(PLACES):
         onward(engine, engine.per + engine.per // PLACES)
-        arrays = {name: value.copy() for name, value in engine.arrays().items()}
+        arrays = deepcopy(engine.arrays())
         motion, now = engine.plate, engine.step % engine.per
         moving.append((arrays, engine.step))
-        frame = {name: arrays[name].copy() for name in ("rods", "listed.built")}
-        for part in frame.values():
-            part[:, Z] -= motion.height[now]
-        frame["rods"][:, C_Z] -= motion.velocity[now]
-        still.append((arrays | frame, engine.step))
+        seen = deepcopy(arrays)
+        for name in ("rods", "listed.built"):
+            seen[name][:, Z] -= motion.height[now]
+        seen["rods"][:, C_Z] -= motion.velocity[now]
+        still.append((seen, engine.step))
     return moving, still
 
 
@@ -115,8 +116,8 @@ def _drifts(quick: bool) -> np.ndarray:
     """Drift and its standard error in cm/s: of the full scene, then of each changed one."""
     found = np.full((2, 1 + len(rows())), np.nan)
     for i, sweep in waited(sweeps(quick).items(), "drift", "scene"):
-        mean = means(sweep, {"drift": "c_x"})
-        found[:, i] = np.array([*mean.values()]) * sweep.points[0].scene.cm_per_s
+        mean_and_error = over_seeds(gathered(sweep, "c_x")[0])
+        found[:, i] = np.multiply(mean_and_error, sweep.points[0].scene.cm_per_s)
     return found
 
 
@@ -179,7 +180,10 @@ def changes(d: Data) -> list[str]:
     return words
 
 
-_LOOKS = (("alone", ORANGE, "alone, on the barest scene"), ("within", BLUE, "in the full scene"))
+_LOOKS = (
+    (-0.2, "alone", ORANGE, "alone, on the barest scene"),
+    (0.2, "within", BLUE, "in the full scene"),
+)
 
 
 def panel(ax: Axes, d: Data) -> None:
@@ -189,7 +193,7 @@ def panel(ax: Axes, d: Data) -> None:
     price, error, _ = np.concatenate([d["alone"], d["within"]]).T
     longest = max((price + error).max(), 0.1)
     lowest = min((price - error).min(), -0.05 * longest)
-    for side, (key, colour, label) in zip((-0.2, 0.2), _LOOKS, strict=True):
+    for side, key, colour, label in _LOOKS:
         value, error, _ = d[key].T
         look = {"color": colour, "label": label, "error_kw": {"elinewidth": 0.7}}
         ax.barh(y + side, value, 0.38, xerr=error, **look)
