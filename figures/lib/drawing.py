@@ -102,8 +102,7 @@ def _pool(
     names: Sequence[str], out: Path, quick: bool, jobs: int, own: Own
 ) -> Iterator[Iterator[Drawn]]:
     """Figures as they are drawn by `jobs` processes, which end with this context."""
-    task = delayed(_in_a_process)
-    tasks = [task(runs.STORE, name, out, quick, None, own) for name in names]
+    tasks = [delayed(_in_a_process)(runs.STORE, name, out, quick, None, own) for name in names]
     try:
         with pool(tasks, jobs, pre_dispatch="all") as results:
             yield results

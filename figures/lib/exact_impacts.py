@@ -25,13 +25,13 @@ def random_impacts(n: int, seed: int = 1) -> Impacts:
     """Arrays of n impacts: velocities and friction log-uniform over six decades, all tilts."""
     rng = np.random.default_rng(seed)
     tilt, length = rng.uniform(-np.pi / 2, np.pi / 2, n), 1 + 10 ** rng.uniform(-2, 1.5, n)
-    X, Z, k = spherocylinder(tilt, length)
+    rod = spherocylinder(tilt, length)
     sizes = 10 ** rng.uniform(-3, 3, (5, n))
     c_x, c_z, spin, V_z = sizes[:4] * rng.choice([-1, 1], (4, n))
-    omega = spin / k
-    towards = np.where(c_z - V_z + omega * X < 0, 1.0, -1.0)  # every pair approaches
-    c_x, c_z, omega, V_z = (towards * value for value in (c_x, c_z, omega, V_z))
-    return Impacts(c_x, c_z, omega, V_z, X, Z, k, sizes[4], rng.uniform(0, 1, n))
+    omega = spin / rod.k
+    towards = np.where(c_z - V_z + omega * rod.X < 0, 1.0, -1.0)  # every pair approaches
+    velocities = towards * np.array([c_x, c_z, omega, V_z])
+    return Impacts(*velocities, *rod, sizes[4], rng.uniform(0, 1, n))
 
 
 @cache
