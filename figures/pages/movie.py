@@ -141,12 +141,12 @@ class Picture:
         below = 1.1 if film.scene.plate else 0.1
         whole = tall + below + 0.3
         self.figure = plt.figure(figsize=(INCHES, whole), dpi=DPI, layout="none")
-        self.row = self.figure.add_axes((0, below / whole, 1, tall / whole))
-        self.row.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
-        self.row.axis("off")
-        self.row.apply_aspect()  # a high picture does not fill the width
+        row = self.figure.add_axes((0, below / whole, 1, tall / whole))
+        row.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
+        row.axis("off")
+        row.apply_aspect()  # a high picture does not fill the width
         self.words = self.figure.text(0.01, 1 - 0.06 / whole, "", va="top", fontsize=10)
-        (start, _), (end, _) = self.row.transData.transform([(0, 0), (1, 0)])
+        (start, _), (end, _) = row.transData.transform([(0, 0), (1, 0)])
         points = 72 / DPI * (end - start)  # of a length of 1
         outlined = [Stroke(linewidth=points, foreground=DARK), Normal()]
         inside = points * (1 - 2 * OUTLINE)
@@ -155,9 +155,9 @@ class Picture:
         )
         self.trail = LineCollection([], colors=RED, linewidths=1.2, zorder=4, alpha=0.8)
         for artist in (self.rods, self.trail):
-            self.row.add_collection(artist, autolim=False)
+            row.add_collection(artist, autolim=False)
         if film.scene.plate:
-            self.plate = self.row.axhspan(bottom - 1, 0, color=GREY, lw=0, zorder=2)
+            self.plate = row.axhspan(bottom - 1, 0, color=GREY, lw=0, zorder=2)
             self._lower(below / whole)
 
     def _lower(self, share: float) -> None:
