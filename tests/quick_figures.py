@@ -25,17 +25,20 @@ from figures.cost.scene_variants import GROUPS
 from figures.lib import runs, style, timing
 from figures.lib.printing import printed
 from figures.paper import fig04, fig07, fig08
+from impact import ContactGeometry
 from md import simulation
 from md.host import prepare
 from md.scene import load
 from md.sweep import execute, expand
 
-from .rows import unread
+from .rows import HALF, unread
 
 MOST_PERIODS = 8  # of a run of the paper's figures
 TOO_FEW = {"fig04", "landing_census", "states"}  # tiny runs leave some of their numbers open
-COLOUR_WORDS = "black", "blue", "green", "orange", "red"
-COLOURS = {getattr(style, word.upper()).lower(): word for word in COLOUR_WORDS}
+COLOURS = {
+    getattr(style, word.upper()).lower(): word
+    for word in ("black", "blue", "green", "orange", "red")
+}
 OTHER_KERNELS = {"rods.rolling", "annulus.shaken"}  # each takes ten seconds to compile
 OWN_VALUES = [(0.05, 0.0), (0.2, 0.3), (0.5, 0.65), (0.8, 0.9), (1.2, 1.0)]  # friction, restitution
 ESTIMATE = SimpleNamespace(mean=1.0, error=0.0)
@@ -75,11 +78,7 @@ MADE = {
     fig07: LONE,
     fig08: LONE,
     landing_census: {
-        "CONTACTS": dict.fromkeys(landing_census.CONTACTS, landing_census.CONTACTS["constraint"]),
-        "VARIED": {
-            name: (key, (), (TABLES["touches"][name],))
-            for name, (key, *_) in landing_census.VARIED.items()
-        },
+        "CONTACTS": dict.fromkeys(landing_census.CONTACTS, landing_census.CONTACTS["constraint"])
     },
     accuracy_cost_drift: {
         "_scene": _short_row,
@@ -103,11 +102,7 @@ def _plain(value):
     return tuple(map(_plain, value)) if isinstance(value, list) else value
 
 
-SIZES = {
-    module: _plain(sizes) | MADE.get(module, {})
-    for name, sizes in TABLES["modules"].items()
-    for module in [import_module(name)]
-}
+SIZES = {import_module(name): _plain(sizes) for name, sizes in TABLES["modules"].items()}
 
 
 @contextmanager
@@ -125,7 +120,7 @@ def tiny():
         return tally
 
     with pytest.MonkeyPatch.context() as patch:
-        for module, sizes in SIZES.items():
+        for module, sizes in (*SIZES.items(), *MADE.items()):
             for name, size in sizes.items():
                 patch.setattr(module, name, size)
         patch.setattr(runs, "expand", short)
@@ -138,6 +133,11 @@ def data(name):
     """Data of a figure in the small size; tests must not change them."""
     with tiny():
         return figures.load(name).data(quick=True)
+
+
+def thick(tilt):
+    """The paper's rod without the figures' own helper: round tip, inertia l^2/12."""
+    return ContactGeometry(HALF * np.sin(tilt), HALF * np.cos(tilt) + 0.5, 9.5 / np.sqrt(12))
 
 
 def each_of(room):

@@ -12,7 +12,6 @@ import md
 from figures.lib import arrangement, runs
 from figures.paper import fig02, fig04, fig08, fig10, fig11, fig12, fig13
 from impact import (
-    ContactGeometry,
     Regime,
     classify,
     collide,
@@ -24,7 +23,7 @@ from impact import (
 )
 from md.scene import from_tables, put
 
-from .quick_figures import MOST_PERIODS, OWN_VALUES, check_figure, data, each_of, tiny
+from .quick_figures import MOST_PERIODS, OWN_VALUES, check_figure, data, each_of, thick, tiny
 
 
 @each_of("paper")
@@ -128,11 +127,6 @@ def test_fig11_names_the_curves_that_it_draws(friction, curves):
 
 
 # Fig. 12: soft impacts
-
-
-def thick(tilt):
-    """The paper's rod without the figures' own helper: round tip, inertia l^2/12."""
-    return ContactGeometry(4.25 * np.sin(tilt), 4.25 * np.cos(tilt) + 0.5, 9.5 / np.sqrt(12))
 
 
 def rigid(tilt, restitution, law="newton"):
