@@ -44,8 +44,7 @@ def test_interrupted_leaves_nothing_half_written(tmp_path, monkeypatch):
 def test_a_figure_that_fails_leaves_the_others(tmp_path, monkeypatch):
     """In this process and in others; a mistake of ours is told with its traceback."""
     for name, alone in (("unknown_to_others", False), ("without_module", True)):
-        entry = figures.Entry("paper", "", alone=alone)
-        monkeypatch.setitem(figures.FIGURES, name, entry)
+        monkeypatch.setitem(figures.FIGURES, name, figures.Entry("paper", "", alone=alone))
     drawn = "figures draw unknown_to_others without_module fig10 --quick --jobs 2 --out"
     printed = enter(drawn, tmp_path, code=1)
     assert "unknown_to_others failed: there is no figure" in printed.err
@@ -81,20 +80,18 @@ def test_sources_are_those_that_decide(tmp_path, monkeypatch):
         kept._digest.cache_clear()
         return kept.sources(name)
 
-    before = digest()
     for name, counts in {
         "figures/paper/fig10.py": True,
         "figures/lib/style.py": True,
         "impact/boundaries.py": True,
         "figures/paper/fig11.py": False,
     }.items():
-        path = tmp_path / name
+        before, path = digest(), tmp_path / name
         text = path.read_text()
         path.write_text('"""Other words."""\n' + text.split('"""', 2)[2] + "# and a remark\n")
         assert digest() == before
         path.write_text(f"{text}\nANOTHER = 1\n")
         assert (digest() != before) == counts
-        path.write_text(text)
     before, table = digest("two_codes"), tmp_path / "figures/checks/two_codes.toml"
     table.write_text(table.read_text() + "# another run\n")
     assert digest("two_codes") != before
