@@ -5,7 +5,7 @@ import pytest
 from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal
 
-import figures
+from figures.theory import stationary
 from impact import collide, critical_friction, energy_restitution, thin_rod
 
 from .quick_figures import check_figure, data, each_of
@@ -58,7 +58,6 @@ def test_the_stationary_landing_where_its_dots_stand():
 
 
 def test_no_tilt_of_one_half_is_drawn_where_there_is_none():
-    stationary = figures.load("stationary")
     assert stationary.draw(stationary.data(quick=True, restitution=0.0)).axes
 
 
