@@ -94,15 +94,15 @@ MADE = {
 }
 
 
-def _plain(value):
-    """A value of the table: tuples for lists; by whether it is quick for `quick` and `full`."""
-    if isinstance(value, dict):
-        quick = {"quick": True, "full": False}
-        return {quick.get(key, key): _plain(inner) for key, inner in value.items()}
-    return tuple(map(_plain, value)) if isinstance(value, list) else value
+def _by_size(value):
+    """A value of the table; by whether it is quick for `quick` and `full`."""
+    if not isinstance(value, dict):
+        return value
+    quick = {"quick": True, "full": False}
+    return {quick.get(key, key): _by_size(inner) for key, inner in value.items()}
 
 
-SIZES = {import_module(name): _plain(sizes) for name, sizes in TABLES["modules"].items()}
+SIZES = {import_module(name): _by_size(sizes) for name, sizes in TABLES["modules"].items()}
 
 
 @contextmanager
@@ -115,7 +115,7 @@ def tiny():
         return expand({**tables, "periods": periods, "set": changes}, base)
 
     def alone(sweep, store, **options):
-        tally = execute(sweep, store, **{**options, "workers": 1})
+        tally = execute(sweep, store, **options | {"workers": 1})
         assert not tally.failed
         return tally
 
@@ -172,14 +172,14 @@ def check_figure(name):
         kind = np.asarray(value).dtype.kind
         assert kind in "fiU"
         assert kind == "U" or np.any(np.isfinite(value)) or name in TOO_FEW
-        assert not key.endswith("seconds") or np.all(np.asarray(value) > 0)
+        assert not key.endswith("seconds") or np.min(value) > 0
     before = deepcopy(d)
     with tiny():
         picture = module.draw(d)
     assert all(ax.get_xlabel() or ax.get_ylabel() for ax in picture.axes)
     picture.canvas.draw()
-    shown = [text for text in picture.findobj(Text) if text.get_text() and text.get_visible()]
-    assert all(text.get_fontsize() >= 8 for text in shown)
+    shown = (text for text in picture.findobj(Text) if text.get_text() and text.get_visible())
+    assert min(text.get_fontsize() for text in shown) >= 8
     named = re.findall(r"\b(black|blue|green|red|orange|yellow|grey)\b", module.__doc__)
     assert set(named) <= _drawn_colours(picture)
     text = printed(d)

@@ -125,7 +125,7 @@ def touched(before, plate, rod, restitution, pushed=0.0):
         touches.PUSHED: pushed,
         touches.REGIME: hit.regime,
         touches.APPROACH: before[:, 1] + before[:, 2] * rod.X - plate,
-        touches.LEAVING: hit.c_z + hit.omega * rod.X - plate,
+        touches.LEAVING: hit.normal_velocity,
     }.items():
         rows[:, at] = value
     return rows
