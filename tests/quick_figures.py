@@ -43,9 +43,8 @@ OTHER_KERNELS = {"rods.rolling", "annulus.shaken"}  # each takes ten seconds to 
 OWN_VALUES = [(0.05, 0.0), (0.2, 0.3), (0.5, 0.65), (0.8, 0.9), (1.2, 1.0)]  # friction, restitution
 ESTIMATE = SimpleNamespace(mean=1.0, error=0.0)
 RIGID = SimpleNamespace(flight=ESTIMATE, falling=ESTIMATE)
-LONE = {"lone": lambda *_: (np.array([0.0]), [RIGID])}  # of one rod that bounces, in no time
+LONE = {"lone": lambda *_: (np.zeros(1), [RIGID])}  # of one rod that bounces, in no time
 TABLES = tomllib.loads(Path(__file__).with_suffix(".toml").read_text())
-FEW_EFFECTS = TABLES["effects"]
 
 
 def _in_small(effect):
@@ -58,8 +57,8 @@ SHORT = "rods.count=10", "box.length=10.75"  # a row of ten rods in place of for
 
 def _short_row(dt, seed=1):
     """The short row with a step and a start of its own."""
-    start = "start.speed=0.3", f"start.seed={seed}", f"step.size={dt}", "step.coarse=true"
-    return load("quasi2d", [*SHORT, *start])
+    how = f"start.speed=0.3 start.seed={seed} step.size={dt} step.coarse=true"
+    return load("quasi2d", [*SHORT, *how.split()])
 
 
 def watched_engine(scene, **_):
@@ -88,7 +87,7 @@ MADE = {
     effect_prices: {
         "GROUPS": {
             group: {name: _in_small(GROUPS[group][name]) for name in few}
-            for group, few in FEW_EFFECTS.items()
+            for group, few in TABLES["effects"].items()
         }
     },
 }

@@ -10,7 +10,7 @@ from md.measures import standard_error, transient
 from .command_line import read_toml
 from .rows import ring
 
-STARTS, LENGTHS = 50, (128, 400, 1000)
+LENGTHS = 128, 400, 1000
 SCENES = read_toml("tests/coverage.toml")
 
 
@@ -41,7 +41,7 @@ def _ratio(drifts, periods):
 @pytest.mark.parametrize("name", [name for name in SCENES if name not in ("annulus", "Gamma 2")])
 def test_errors_are_as_large_as_the_scatter_between_starts(name):
     """Their ratio is 0.8 to 1.25 from 128 periods on, to one error of it, 1/sqrt(2 50)."""
-    drifts, _ = _starts(name, STARTS, LENGTHS[-1])
+    drifts, _ = _starts(name, 50, LENGTHS[-1])
     for periods in LENGTHS:
         assert 0.8 / 1.1 < _ratio(drifts, periods) < 1.25 * 1.1
 

@@ -30,7 +30,7 @@ from figures.lib.soft_impacts import one_impact
 from md.accuracy import steps_per_contact
 
 from .command_line import enter, names_in
-from .quick_figures import FEW_EFFECTS, SIZES, check_figure, data, each_of, tiny
+from .quick_figures import SIZES, check_figure, data, each_of, tiny
 from .sampling import LAWS, Impacts, each_law
 
 
@@ -46,7 +46,7 @@ def test_every_figure(name):
 def test_exact_values_are_those_of_the_integration(law):
     """The figures' many digits against an integration that shares no formula with them."""
     impacts = exact_impacts.random_impacts(60, seed=2)
-    integrated = Impacts(**impacts._asdict())
+    integrated = Impacts(*impacts)
     true = exact_impacts.reference(impacts, law)
     assert set(true.regime) == {1, 2, 3}
     for i, row in enumerate(zip(*impacts, strict=True)):
@@ -180,7 +180,8 @@ def test_steps_of_the_ladder_are_parts_of_a_contact(changes):
 def test_prices_belong_to_what_they_say():
     """What looks on changes no bit, gravity does; an effect of size zero is the same kernel."""
     d = data("effect_prices")
-    names = [name for group in FEW_EFFECTS.values() for name in group]
+    with tiny():
+        names, words = [*effect_prices.rows()], effect_prices.changes(d)
     same_rods, same_kernel = (
         {name for name, same in zip(names, d[key], strict=True) if same}
         for key in ("same_rods", "same_kernel")
@@ -190,8 +191,6 @@ def test_prices_belong_to_what_they_say():
     assert "gravity" not in same_rods
     (full, *changed), _ = d["drift"]
     assert_array_equal(np.isfinite(changed), [0, 0, 1, 0])
-    with tiny():
-        words = effect_prices.changes(d)
     assert words[:2] == ["-", "0, same bits"]
     assert float(words[2].split()[0]) == pytest.approx(changed[2] - full, abs=6e-3)
     assert words[3] == "same kernel"
@@ -271,15 +270,16 @@ def test_the_command_writes_the_page_and_the_figures(tmp_path):
     """
     first, *others = PRICE_PANELS
     full = data(first) | {"load": np.float64(1e4), "machine": "another machine"}
-    keep(tmp_path / f"{first}.npz", first, False, full)
-    kept = (tmp_path / f"{first}.npz").read_bytes()
+    archive = tmp_path / f"{first}.npz"
+    keep(archive, first, False, full)
+    kept = archive.read_bytes()
     with tiny() as patch:
         for name in PRICE_PANELS:
             patch.setattr(figures.load(name), "data", Mock(return_value=data(name)))
         enter("figures prices --out", tmp_path)
-    assert (tmp_path / f"{first}.npz").read_bytes() == kept
+    assert archive.read_bytes() == kept
     assert all(made(tmp_path / f"{name}.npz")["quick"] for name in others)
-    names = {*files_of(*others), f"{first}.npz", "prices.txt", "prices.json", "prices.png"}
+    names = {*files_of(*others), archive.name, "prices.txt", "prices.json", "prices.png"}
     assert names_in(tmp_path) == names
     words = (tmp_path / "prices.txt").read_text("utf-8")
     titles = [figures.FIGURES[name].title for name in PRICE_PANELS]

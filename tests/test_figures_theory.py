@@ -70,7 +70,7 @@ def test_flat_end_turns_at_arctan_d_over_l():
     assert_array_equal(flat[positive] > 0, tilt[positive] > d["flat_threshold"])
     before, after = flat[tilt == 0]
     assert before == -after > 2
-    assert np.sum(np.sign(d["round"]) != np.sign(tilt)) == 0
+    assert_array_equal(np.sign(d["round"]), np.sign(tilt))
     bounced = d["flat_bounced"] > 3 * d["flat_bounced_error"]
     assert_array_equal(bounced, d["bounced_tilt"] > d["flat_threshold"])
     landed = np.sign(d["soft_tilt"]) * d["soft"]  # upright on both corners: nothing
