@@ -192,9 +192,9 @@ def test_the_data_are_those_of_the_census():
     with tiny():
         assert d["gamma_slide"][0] == measures(census(scene, MOST_PERIODS)[0])["slide"][0]
     assert np.isnan(d["constraint_isolated_residual"][0])
-    for offset, regime in ((-0.1, Regime.SLIP_STICK), (0.1, Regime.SLIP_REVERSAL)):
-        rod = thick(np.radians(landing_census.reversal_tilt() + offset))
-        assert classify(0.1, -1.0, geometry=rod, friction=0.3, restitution=0.65) == regime
+    beside = thick(np.radians(landing_census.reversal_tilt() + np.array([-0.1, 0.1])))
+    regimes = classify(0.1, -1.0, geometry=beside, friction=0.3, restitution=0.65)
+    assert regimes.tolist() == [Regime.SLIP_STICK, Regime.SLIP_REVERSAL]
 
 
 # The balance of a mean landing
@@ -207,7 +207,7 @@ def scattered(tilt_deg, n=400):
     """States before touches, near the theory's, all of which approach the plate."""
     rod, random = runs.paper_rod(np.radians(tilt_deg)), default_rng(1)
     mean = drift(rod, **CLOSURE)
-    middle = (1.2 * mean.c_x, -0.8 * mean.c_z, 0.01)
+    middle = 1.2 * mean.c_x, -0.8 * mean.c_z, 0.01
     before = random.normal(middle, (0.02, 0.05, 0.005), (n, 3))
     return before, SPEED * random.uniform(0.5, 0.8, n), rod
 
@@ -328,8 +328,7 @@ def test_a_run_has_the_state_of_its_second_half():
     state, changed = states.settled(np.array(of_parts))
     assert state.tolist() == [BLOCK, ZIGZAG, SINGLE, MISSING]
     assert changed.tolist() == [False, True, True, False]
-    missing = {name: np.full((1, 6), np.nan) for name in row_motion.SEEN}
-    assert (states.states(missing) == MISSING).all()
+    assert states.states(dict.fromkeys(row_motion.SEEN, np.nan)) == MISSING
 
 
 def test_a_start_is_still_there_until_it_first_leaves_its_state():

@@ -155,7 +155,8 @@ def test_the_readme_is_short_and_measures_nothing_itself():
     text = re.sub(r"```.*?```", "", text, flags=re.DOTALL)
     found = re.findall(r"\d[\d.]*(?:e-?\d+)? ?(?:%|ns|ms|s|microseconds|cm/s)(?![\w/])|±.*", text)
     assert set(found) <= {"5 %"}  # of an example
-    assert (len(EXAMPLES), len(SCRIPTS)) == (len(re.findall("```python", TEXT)), 8) == (3, 8)
+    assert len(EXAMPLES) == len(re.findall("```python", TEXT)) == 3
+    assert len(SCRIPTS) == 8
     assert len(COMMANDS) > 2
 
 
@@ -233,7 +234,8 @@ def test_hard_cases_are_where_it_says():
         if "-" in names:
             numbers = range(numbers[0], numbers[1] + 1)
         text = (ROOT / file).read_text("utf-8")
-        for name in (f"{names[0]}{number}" for number in numbers):
+        for number in numbers:
+            name = f"{names[0]}{number}"
             assert re.search(rf"\b(test_)?{name.lower()}_|\b{name}\b", text)
             found.add(name)
     assert len(found) > 20
@@ -284,8 +286,7 @@ def test_command_writes_a_gif_that_loops(tmp_path):
         "figures movie quasi2d --set rods.count=4 --set box.length=5 --set step.size=4e-5"
         " --periods 3 --frames 4 --out"
     )
-    printed = enter(command, out)
-    assert printed == (f"{out}  12 frames\n", "")
+    assert enter(command, out) == (f"{out}  12 frames\n", "")
     with Image.open(out) as gif:
         assert (gif.n_frames, gif.info["loop"], gif.size[0]) == (12, 0, 600)
     assert names_in(tmp_path) == {"row.gif"}

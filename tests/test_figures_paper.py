@@ -75,8 +75,8 @@ def test_fig10_shows_the_regimes_of_its_values(restitution):
         assert_array_equal(mesh.get_array(), regime)
         assert len(np.unique(mesh.to_rgba([*named]), axis=0)) == len(named)
         last = classify(1.0, -ratio, geometry=end, friction=0.75, restitution=restitution)
-        stops = last != Regime.SLIDE
-        assert any("3/4" in str(line.get_label()) for line in ax.lines) == stops
+        dotted = any("3/4" in str(line.get_label()) for line in ax.lines)
+        assert dotted == (last != Regime.SLIDE)
     assert rf"$\epsilon={restitution:g}$" in picture.get_supxlabel()
 
 
@@ -119,8 +119,7 @@ def test_fig11_follows_its_values(friction, restitution):
 )
 def test_fig11_names_the_curves_that_it_draws(friction, curves):
     """Nothing says how fast rods drift without friction; none reverses that friction holds."""
-    picture = fig11.draw(fig11.data(quick=True, friction=friction))
-    (ax,) = picture.axes
+    (ax,) = fig11.draw(fig11.data(quick=True, friction=friction)).axes
     named = {line.get_label().split()[0]: line for line in ax.lines if line.get_label()[0] != "_"}
     assert [name for name in named if name != "roots"] == curves
     assert all(np.isfinite(line.get_ydata()).any() for line in named.values())
@@ -158,11 +157,11 @@ def test_fig12_symbols_lie_on_the_theory_at_measured_restitution():
 def test_rows_are_shown_in_the_units_of_the_axes():
     """cm/s and rad/s: the store's means times sqrt(g d) and over sqrt(d/g); theory at V_0/2."""
     six = data("fig06")
-    names = {"c_x": "touches.c_x_after.mean", "omega": "touches.omega_before.mean"}
+    names = "touches.c_x_after.mean", "touches.omega_before.mean"
     with tiny():
-        found = runs.means(runs.tilt_plan(True), names)
-    assert_allclose(six["c_x_after"], found["c_x"] * np.sqrt(981 * 0.6))
-    assert_allclose(six["omega_before"], found["omega"] * np.sqrt(981 / 0.6))
+        c_x, omega = np.mean(runs.gathered(runs.tilt_plan(True), *names), axis=-1)
+    assert_allclose(six["c_x_after"], c_x * np.sqrt(981 * 0.6))
+    assert_allclose(six["omega_before"], omega * np.sqrt(981 / 0.6))
     speed = 3.3 * 981 / (2 * np.pi * 60)
     rod = thick(np.radians(six["fine_deg"]))
     line = drift(rod, friction=0.3, restitution=0.65, plate_velocity=speed / 2)
@@ -266,12 +265,10 @@ def test_order_of_a_zigzag():
 
 
 def test_a_region_of_larger_tilt_is_told_from_scattered_tilts():
-    radii = np.full(40, 6.5)
-    mean, spread, _, contrast, share = arrangement.arrangement(
-        placed(radii, np.repeat([15.0, 35.0], 20))
-    )
-    assert (mean, spread, contrast, share) == pytest.approx((25, 10, 20, 0.5))
-    by_turns = arrangement.arrangement(placed(radii, np.tile([15.0, 35.0], 20)))
-    assert by_turns[3] == pytest.approx(0, abs=1e-9)
-    even = arrangement.arrangement(placed(radii, np.tile([19.0, 21.0], 20)))
-    assert (even[1], even[4]) == pytest.approx((1, 0))  # nobody leans much more
+    for tilts, expected in (
+        (np.repeat([15.0, 35.0], 20), (25, 10, 20, 0.5)),
+        (np.tile([15.0, 35.0], 20), (25, 10, 0, 0.5)),
+        (np.tile([19.0, 21.0], 20), (20, 1, 0, 0)),  # nobody leans much more
+    ):
+        mean, spread, _, contrast, share = arrangement.arrangement(placed(np.full(40, 6.5), tilts))
+        assert (mean, spread, contrast, share) == pytest.approx(expected, abs=1e-9)
