@@ -35,6 +35,11 @@ class Impacts(compiled.Impacts):
         return reference_collide(**self.row(index), law=law)
 
 
+def ulps(got, want):
+    """Distance in units in the last place of the exact value."""
+    return abs(want - got) / np.spacing(abs(float(want)))
+
+
 def power(x, y):
     """Power of x as which y goes."""
     return np.polyfit(np.log(x), np.log(y), 1)[0]

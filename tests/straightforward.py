@@ -27,10 +27,11 @@ def collide(
     slides = u_0 + stop / forward * v_0 * (1 + e) > 0
     sticks = mu * (k**2 + Z**2) > X * Z
     slide_z = -v_0 * (1 + e) * k**2 / forward
-    stick_z = u_0 * k**2 / stop - bracket * (k**2 + Z**2) / whole
-    stick_x = -u_0 * mu * k**2 / stop - bracket * X * Z / whole
-    back_z = u_0 * k**2 / stop - k**2 / back * bracket
-    back_x = -mu * u_0 * k**2 / stop - mu * k**2 / back * bracket
+    stop_z = u_0 * k**2 / stop
+    stick_z = stop_z - bracket * (k**2 + Z**2) / whole
+    stick_x = -mu * stop_z - bracket * X * Z / whole
+    back_z = stop_z - k**2 / back * bracket
+    back_x = -mu * stop_z - mu * k**2 / back * bracket
     P_z = np.where(slides, slide_z, np.where(sticks, stick_z, back_z))
     P_x = side * np.where(slides, -mu * slide_z, np.where(sticks, stick_x, back_x))
     X = side * X
@@ -49,9 +50,7 @@ def critical_tilts(friction):
 
 
 def drift(geometry, *, friction, restitution):
-    """Eqs. (24) and (27) as printed, over the plate's velocity."""
+    """Eqs. (24) and (27) as printed, over the plate's velocity: the smaller one holds."""
     X, Z, k = geometry
-    e, below = restitution, k**2 * (1 - restitution) + 2 * X**2
-    stick = 2 * (1 + e) * X * Z / below
-    back = (1 + e) * (friction * (k**2 + Z**2) + X * Z) / below
-    return (np.where(friction * (k**2 + Z**2) > X * Z, stick, back),)
+    pushed = np.minimum(2 * X * Z, friction * (k**2 + Z**2) + X * Z)
+    return ((1 + restitution) * pushed / (k**2 * (1 - restitution) + 2 * X**2),)
