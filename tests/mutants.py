@@ -103,10 +103,9 @@ def changes(form):
     elif isinstance(form, sp.MatrixBase):
         for i, part in enumerate(form):
             for what, new in _changes_of(part):
-                yield (
-                    f"component {i}: {what}",
-                    sp.Matrix([new if j == i else old for j, old in enumerate(form)]),
-                )
+                other = form.as_mutable()
+                other[i] = new
+                yield f"component {i}: {what}", other
     else:
         yield from _changes_of(form)
 

@@ -45,18 +45,19 @@ def negated(value):
     return (*value[:-1], -value[-1]) if isinstance(value, tuple) else -value
 
 
-@pytest.mark.parametrize("step", FEW_STEPS)
+@pytest.mark.parametrize(
+    "step",
+    [
+        step if step in FEW_STEPS else pytest.param(step, marks=pytest.mark.slow)
+        for step in sorted(trace.STEPS)
+    ],
+)
 def test_a_sign_turned_in_a_step_ends_as_a_row(step):
     taken = {entry.tag: trace.names(entry.steps, "derived") for entry in EQUATIONS}
     first = sorted(EQUATIONS, key=lambda entry: step not in taken[entry.tag])
     with mutants.bent(step, negated):
         assert not all(entry.prove().ok for entry in first)
     assert trace.STEPS[step].__doc__
-
-
-@pytest.mark.parametrize("step", sorted(set(trace.STEPS) - set(FEW_STEPS)))
-def test_a_sign_turned_in_any_step_ends_as_a_row(step):
-    test_a_sign_turned_in_a_step_ends_as_a_row(step)
 
 
 @pytest.mark.parametrize("command", ["derivations check", "derivations report"])

@@ -76,17 +76,11 @@ def test_the_wheel_holds_all_sources_and_data_and_nothing_else(wheel):
 
 
 @pytest.fixture(scope="module")
-def installed(wheel, tmp_path_factory):
-    """A folder that holds what the wheel does, as an installation of it would."""
-    home = tmp_path_factory.mktemp("installed")
-    with zipfile.ZipFile(wheel) as archive:
-        archive.extractall(home)
-    return home
-
-
-@pytest.fixture(scope="module")
-def outcomes(installed, tmp_path_factory):
+def outcomes(wheel, tmp_path_factory):
     """What every command did, side by side, in an empty folder, with an empty cache."""
+    installed = tmp_path_factory.mktemp("installed")  # as an installation of the wheel
+    with zipfile.ZipFile(wheel) as archive:
+        archive.extractall(installed)
     empty, cache = tmp_path_factory.mktemp("empty"), tmp_path_factory.mktemp("cache")
     # Before the checkout, which this environment may hold too; the wheel's folder stays as it is.
     own = {"PYTHONPATH": str(installed), "PYTHONDONTWRITEBYTECODE": "1"}

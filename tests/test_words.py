@@ -43,22 +43,17 @@ def test_what_is_asked_of_forms():
     assert not any(map(lecture.negative, (X * Z + mu, X - Z)))
 
 
-def defaults(function):
-    found = signature(function).parameters.items()
-    return {name: parameter.default for name, parameter in found}
-
-
 def test_numbers_of_the_paper_are_those_of_the_simulations():
     """Numbers of the paper, past the seal, are those that are typed in the simulations."""
-    law, drawn = defaults(md.appendix_a), defaults(fig11.data)
+    law, drawn = (signature(function).parameters for function in (md.appendix_a, fig11.data))
     for tag, name in (
         ("A: unit of k_n", "stiffness"),
         ("A: k_t = 95 k_n", "tangential_ratio"),
         ("A: unit of gamma", "damping"),
     ):
-        assert float(paper.printed(tag).as_coeff_Mul()[0]) == law[name]
+        assert float(paper.printed(tag).as_coeff_Mul()[0]) == law[name].default
     for letter, name in ((epsilon, "restitution"), (mu, "friction")):
-        assert float(lecture.PAPER[letter]) == drawn[name]
+        assert float(lecture.PAPER[letter]) == drawn[name].default
 
 
 def test_rods_counted_one_by_one_tell_a_wrong_mean():
