@@ -21,6 +21,7 @@ from derivations.registry import ENTRIES
 
 Relational = sp.core.relational.Relational
 
+EQUATIONS = [entry for entry in ENTRIES if isinstance(entry, Equation)]
 FACTOR = sp.Rational(8, 7)
 COMPARED = {"IV: Coulomb, stick": "sign", "V: closure": "zero"}  # with zero: sign alone, or none
 
@@ -151,7 +152,7 @@ def of_entry(entry):
 
 def of_axiom(axiom):
     """Try every change of an axiom against the entries that rest on it."""
-    resting = [e for e in ENTRIES if isinstance(e, Equation) and axiom.tag in e.rests_on]
+    resting = [entry for entry in EQUATIONS if axiom.tag in entry.rests_on]
     usual = axiom.form
     for what, new in changes(usual):
         outcome = "caught"
@@ -164,8 +165,7 @@ def of_axiom(axiom):
 
 def trials():
     """One for each entry that is an equation, and each axiom."""
-    entries = [entry for entry in ENTRIES if isinstance(entry, Equation)]
     return [
-        *(partial(of_entry, entry) for entry in entries),
+        *(partial(of_entry, entry) for entry in EQUATIONS),
         *(partial(of_axiom, axiom) for axiom in axioms.AXIOMS),
     ]

@@ -81,10 +81,19 @@ def simple(n, seed):
 
 def every(**values):
     """All combinations of values; what is not named is that of a thin rod at 30 degrees."""
-    usual = {"c_x": 1.0, "c_z": -1.0, "omega": 0.0, "friction": 0.3, "restitution": 0.5}
-    usual |= {"plate_velocity": 0.0, "tilt": np.radians(30), "length": 1.0}
-    grids = np.meshgrid(*(usual | values).values())
-    columns = dict(zip(usual | values, map(np.ravel, grids), strict=True))
+    given = {
+        "c_x": 1.0,
+        "c_z": -1.0,
+        "omega": 0.0,
+        "plate_velocity": 0.0,
+        "friction": 0.3,
+        "restitution": 0.5,
+        "tilt": np.radians(30),
+        "length": 1.0,
+        **values,
+    }
+    grids = np.meshgrid(*given.values())
+    columns = dict(zip(given, map(np.ravel, grids), strict=True))
     rod = impact.thin_rod(columns.pop("tilt"), columns.pop("length"))
     return Impacts(**(rod._asdict() | columns))
 

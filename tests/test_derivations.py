@@ -30,12 +30,11 @@ from derivations import symbols as s
 from derivations.proof import Equation
 
 from .command_line import enter, read_toml
-from .mutants import derived_again
+from .mutants import EQUATIONS, derived_again
 
 EDITS = read_toml("tests/edits.toml")["derivations"]
 BY_TAG = {entry.tag: entry for entry in registry.ENTRIES}
 NUMBERED = [str(n) for n in range(1, 32)] + [f"B{n}" for n in range(1, 13)]
-EQUATIONS = [entry for entry in registry.ENTRIES if isinstance(entry, Equation)]
 each_entry = pytest.mark.parametrize("entry", registry.ENTRIES)
 each_equation = pytest.mark.parametrize("entry", EQUATIONS)
 ERRATA = {entry.tag for entry in registry.mistakes() if isinstance(entry, Equation)}
@@ -169,7 +168,6 @@ def unsealed(monkeypatch):
 @pytest.mark.parametrize(("step", "old", "new"), EDITS["citations"])
 def test_a_step_cites_what_it_takes(step, old, new, unsealed, monkeypatch):
     sentence = trace.STEPS[step].__doc__
-    assert sentence.replace(old, new) != sentence
     monkeypatch.setattr(trace.STEPS[step], "__doc__", sentence.replace(old, new))
     assert not BY_TAG["texts"].prove().ok
 
@@ -181,7 +179,6 @@ def test_a_letter_keeps_its_dimension(name, old, new, unsealed, monkeypatch):
         for line in lecture.LETTERS
     ]
     dimensions = {x.name: paper.read(x.dimension, texts._UNITS) for x in lines}
-    assert lines != lecture.LETTERS
     monkeypatch.setattr(lecture, "LETTERS", lines)
     monkeypatch.setattr(texts, "_DIMENSIONS", dimensions)
     texts.dimension.cache_clear()
@@ -191,9 +188,7 @@ def test_a_letter_keeps_its_dimension(name, old, new, unsealed, monkeypatch):
 
 @pytest.mark.parametrize(("name", "old", "new"), EDITS["words_of_functions"])
 def test_words_of_a_function_are_those_of_its_forms(name, old, new, unsealed, monkeypatch):
-    words = rewrites.WORDS[name]
-    changed = {key: text.replace(old, new) for key, text in words.items()}
-    assert changed["summary"] + changed["detail"] != words["summary"] + words["detail"]
+    changed = {key: text.replace(old, new) for key, text in rewrites.WORDS[name].items()}
     monkeypatch.setitem(rewrites.WORDS, name, changed)
     assert not BY_TAG["texts"].prove().ok
 

@@ -161,9 +161,12 @@ impact.collide(0.1, -0.2, geometry=rods, frictio=0.3, restitution=0.65)  # type:
 
 def test_public_functions_have_hints():
     """All but `impact.compiled.collide`, which has the type of `impact.collide`."""
-    functions = {name: x for name, x in NAMES.items() if inspect.isfunction(x)}
-    given = {name: inspect.signature(x).parameters.values() for name, x in functions.items()}
-    bare = {name for name, all_of in given.items() if any(p.annotation is p.empty for p in all_of)}
+    bare = {
+        name
+        for name, x in NAMES.items()
+        if inspect.isfunction(x)
+        and any(p.annotation is p.empty for p in inspect.signature(x).parameters.values())
+    }
     assert bare == {"impact.compiled.collide"}
 
 
@@ -209,8 +212,9 @@ def test_the_layout_names_every_file(package):
     for row in re.findall(r"^(\S.*?)  +\S", layout.split("\n\n")[0], re.M):
         inside = ""
         for name in row.split(", "):
-            inside = name.rpartition("/")[0] or inside
-            named.add(f"{inside}/{name.rpartition('/')[2]}".strip("/"))
+            room, _, own = name.rpartition("/")
+            inside = room or inside
+            named.add(f"{inside}/{own}".strip("/"))
     rooms = {name for name in named if (folder / name).is_dir()}
     modules = {path.relative_to(folder).with_suffix("").as_posix() for path in folder.rglob("*.py")}
     alone = {name for name in modules if not name.startswith(tuple(f"{r}/" for r in rooms))}

@@ -19,38 +19,22 @@ from .sampling import each_law
 from .test_public_api import ODD
 
 
-def _meant(function):
-    """What each name in a generated function stands for, as derived; outputs among them."""
+def _numbers(function):
+    """Arguments at three random points, at 50 digits, and what each output is worth there."""
     body, _ = function.body
+    arguments = {str(x): sp.sympify(x).subs(function.meaning) for x in function.arguments}
     values = rewrites.written_out(body, function.meaning)
-    meant = {str(symbol): value for symbol, value in values.items()}
-    meant |= {str(x): sp.sympify(x).subs(function.meaning) for x in function.arguments}
+    meant = {str(symbol): value for symbol, value in values.items()} | arguments
     meant |= {str(x): derived.subs(function.meaning) for x, derived in function.outputs.items()}
     outputs = " ".join(str(symbol) for symbol in body if symbol in function.outputs)
     names = function.words.get("returned", outputs).split()
-    return [meant[name] for name in names]
-
-
-def _numbers(function):
-    """Arguments at three random points, at 50 digits, and what each output is worth there."""
-    arguments = [sp.sympify(x).subs(function.meaning) for x in function.arguments]
-    forms = [*arguments, *_meant(function)]
+    forms = [*arguments.values(), *map(meant.get, names)]
     letters = sp.Tuple(*forms).free_symbols
     with mpmath.workdps(50):
         for seed in range(3):
             point = random_point(letters, seed)
             numbers = [mpmath.mpmathify(sp.N(form.subs(point), 50)) for form in forms]
             yield numbers[: len(arguments)], numbers[len(arguments) :]
-
-
-def _is_right(generated, numbers):
-    """Whether a generated function has the derived values."""
-    with mpmath.workdps(50):
-        return all(
-            mpmath.almosteq(value, derived, 1e-20, 1e-20)
-            for given, wanted in numbers
-            for value, derived in zip(np.atleast_1d(generated(*given)), wanted, strict=True)
-        )
 
 
 def _computing_lines(tree):
@@ -69,9 +53,14 @@ def test_generated_functions_are_their_derivations_and_no_line_may_change():
     numbers = {name: list(_numbers(function)) for name, function in functions.items()}
 
     def right(name):
-        namespace = {}
-        exec(compile(ast.fix_missing_locations(tree), "generated", "exec"), namespace)
-        return _is_right(namespace[name], numbers[name])
+        space = {}
+        exec(compile(ast.fix_missing_locations(tree), "generated", "exec"), space)
+        with mpmath.workdps(50):
+            return all(
+                mpmath.almosteq(value, derived, 1e-20, 1e-20)
+                for given, wanted in numbers[name]
+                for value, derived in zip(np.atleast_1d(space[name](*given)), wanted, strict=True)
+            )
 
     assert all(map(right, functions))
     lines = list(_computing_lines(tree))

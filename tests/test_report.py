@@ -260,8 +260,17 @@ def test_a_path_ends_where_the_impact_does_under_each_law(regime):
 
 
 def test_words_of_the_drawings_and_their_prose():
-    expected = {"slips": "between", "sticks": "outside of", "against": "against", "ahead": "+x"}
-    expected |= {"edge": "left", "back": "right", "push": "forward", "approach": 2, "landing": 0.65}
+    expected = {
+        "slips": "between",
+        "sticks": "outside of",
+        "against": "against",
+        "ahead": "+x",
+        "edge": "left",
+        "back": "right",
+        "push": "forward",
+        "approach": 2,
+        "landing": 0.65,
+    }
     assert expected.items() <= drawings.WORDS.items()
     for name, largest in (("blue", 2), ("orange", 0)):
         assert np.argmax(to_rgb(drawings.COLORS[name])) == largest

@@ -83,8 +83,12 @@ def outcomes(wheel, tmp_path_factory):
         archive.extractall(installed)
     empty, cache = tmp_path_factory.mktemp("empty"), tmp_path_factory.mktemp("cache")
     # Before the checkout, which this environment may hold too; the wheel's folder stays as it is.
-    own = {"PYTHONPATH": str(installed), "PYTHONDONTWRITEBYTECODE": "1"}
-    own |= {"XDG_CACHE_HOME": str(cache), "NUMBA_CACHE_DIR": ""}
+    own = {
+        "PYTHONPATH": str(installed),
+        "PYTHONDONTWRITEBYTECODE": "1",
+        "XDG_CACHE_HOME": str(cache),
+        "NUMBA_CACHE_DIR": "",
+    }
     before = set(installed.rglob("*"))
 
     def outcome(name):

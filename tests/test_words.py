@@ -64,16 +64,13 @@ def test_rods_counted_one_by_one_tell_a_wrong_mean():
 
 @pytest.mark.parametrize(("name", "old", "new"), EDITS["sealed"])
 def test_whatever_is_typed_is_sealed(name, old, new, tmp_path, monkeypatch):
-    source, copy = Path(texts.__file__).parent, tmp_path / "copy"
-    shutil.copytree(source, copy)
-    shutil.copy(texts.KERNEL, tmp_path)
-    file = tmp_path / name if name == texts.KERNEL.name else copy / name
-    text = file.read_text("utf-8")
-    assert old in text
-    monkeypatch.setattr(texts, "KERNEL", tmp_path / texts.KERNEL.name)
+    copy = tmp_path / "copy"
+    shutil.copytree(Path(texts.__file__).parent, copy)
+    monkeypatch.setattr(texts, "KERNEL", Path(shutil.copy(texts.KERNEL, tmp_path)))
     monkeypatch.setattr(texts, "__file__", str(copy / "texts.py"))
     assert texts.digest() == texts.READ
-    file.write_text(text.replace(old, new), "utf-8")
+    (file,) = tmp_path.rglob(name)
+    file.write_text(file.read_text("utf-8").replace(old, new), "utf-8")
     assert texts.digest() != texts.READ
 
 
