@@ -21,7 +21,7 @@ import subprocess
 import sys
 from collections import Counter
 from copy import deepcopy
-from functools import cache, partial
+from functools import cache
 from pathlib import Path
 from time import perf_counter
 from typing import NamedTuple
@@ -96,14 +96,14 @@ def is_kernel(node):
     return any(getattr(d, "attr", getattr(d, "id", "")) == "kernel" for d in made)
 
 
-def places(tree):
-    """All places of a tree; functions of one name are numbered in the order of their files."""
+def places():
+    """All places; functions of one name are numbered in the order of their files."""
     count = Counter()
-    for path in sorted(p for package in PACKAGES for p in (tree / package).rglob("*.py")):
+    for path in sorted(p for package in PACKAGES for p in (ROOT / package).rglob("*.py")):
         module = ast.parse(path.read_text())
         nodes = ast.walk(module) if path.name != "__main__.py" else ()
         for function in (n for n in nodes if isinstance(n, ast.FunctionDef) and is_kernel(n)):
-            here = path.relative_to(tree)
+            here = path.relative_to(ROOT)
             name = f"{here.parts[0]}.{function.name}"
             count[name] += 1
             name += f"({count[name]})" if count[name] > 1 else ""
@@ -112,11 +112,11 @@ def places(tree):
                 yield Place(f"{name}#{number}", here, module, old, new)
 
 
-def files_of(tree, place):
+def files_of(place):
     """Test files that test the kernel's package, the likeliest to notice the change first."""
     package, function = re.match(r"(\w+)\.(\w+)", place.key).groups()
     found = []
-    for path in tree.glob("tests/test_*.py"):
+    for path in ROOT.glob("tests/test_*.py"):
         text = path.read_text()
         imported = set(re.findall(r"^\s*(?:from|import) (\w+)", text, re.M))
         of_package = package in imported and (package == "md" or "md" not in imported)
@@ -124,12 +124,6 @@ def files_of(tree, place):
             words = set(re.findall(r"\w+", text))
             found.append((function not in words, place.path.stem not in words, path.name))
     return [f"tests/{name}" for *_, name in sorted(found)]
-
-
-def mutate(tree, place):
-    """Write the change into the source."""
-    changed = deepcopy(place.module, {id(place.old): place.new})
-    (tree / place.path).write_text(ast.unparse(changed))
 
 
 def exit_status(folder, files, edit, seconds=None):
@@ -158,7 +152,7 @@ def drawn(place):
     return hashlib.sha256(f"{SEED} {place.key}".encode()).digest()
 
 
-PLACES = sorted(places(ROOT), key=drawn)
+PLACES = sorted(places(), key=drawn)
 
 
 @pytest.fixture(scope="module")
@@ -167,7 +161,7 @@ def unchanged(tmp_path_factory):
 
     @cache
     def check(package):
-        files = files_of(ROOT, next(p for p in PLACES if p.key.startswith(package)))
+        files = files_of(next(p for p in PLACES if p.key.startswith(package)))
         begin = perf_counter()
         assert exit_status(tmp_path_factory.mktemp("unchanged"), files, idle) == 0
         return perf_counter() - begin
@@ -177,6 +171,9 @@ def unchanged(tmp_path_factory):
 
 @pytest.mark.parametrize("place", PLACES[:MUTANTS], ids=str)
 def test_a_mutant_is_killed(place, tmp_path, unchanged):
+    def mutate(tree):
+        changed = deepcopy(place.module, {id(place.old): place.new})
+        (tree / place.path).write_text(ast.unparse(changed))
+
     seconds = 3 * unchanged(place.key.partition(".")[0])
-    edit = partial(mutate, place=place)
-    assert exit_status(tmp_path, files_of(ROOT, place), edit, seconds) != 0
+    assert exit_status(tmp_path, files_of(place), mutate, seconds) != 0

@@ -45,8 +45,12 @@ def test_impulse_and_energy(impacts, law):
 def test_units_of_length_and_time_do_not_matter(impacts, law):
     """Units that are powers of two change exponents alone, out to 1e-135 and 1e135."""
     length, speed = default_rng(15).integers(-450, 451, (2, impacts.c_x.size))
-    powers = {"X": length, "Z": length, "k": length, "plate_velocity": speed}
-    powers |= {"c_x": speed, "c_z": speed, "omega": speed - length, "energy_change": 2 * speed}
+    powers = {
+        **dict.fromkeys(("X", "Z", "k"), length),
+        **dict.fromkeys(("c_x", "c_z", "plate_velocity"), speed),
+        "omega": speed - length,
+        "energy_change": 2 * speed,
+    }
     scaled, hit = (
         {name: np.ldexp(getattr(x, name), by) for name, by in powers.items() if hasattr(x, name)}
         for x in (impacts, impacts.collide(law))

@@ -187,7 +187,7 @@ def test_a_script_under_strict_mypy_has_numbers_and_arrays(tmp_path):
 WITH_EXAMPLES = [
     name.removesuffix(".__init__")
     for package in PACKAGES
-    for name, file in modules(ROOT, package).items()
+    for name, file in modules(package).items()
     if ">>> " in file.read_text("utf-8")
 ]
 

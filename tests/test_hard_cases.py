@@ -187,9 +187,14 @@ def t14_long_levers(theirs):
     rng = default_rng(32)
     X, Z = 10 ** rng.uniform(-1, 2, (2, 400)) * rng.choice([-1, 1], (2, 400))
     A, B, C = 1 + X * X, X * Z, 1 + Z * Z
-    levers = {"X": X, "Z": Z, "k": np.ones(400), "omega": np.zeros(400)}
-    levers |= {"friction": 10 ** rng.uniform(-2, 2, 400), "plate_velocity": np.full(400, 2.0)}
-    impacts = sampling.everyday(400, seed=32)._replace(**levers)
+    impacts = sampling.everyday(400, seed=32)._replace(
+        X=X,
+        Z=Z,
+        k=np.ones(400),
+        omega=np.zeros(400),
+        friction=10 ** rng.uniform(-2, 2, 400),
+        plate_velocity=np.full(400, 2.0),
+    )
     assert_accurate(theirs, impacts, 8 + 2 * A * C / (A * C - B * B))
 
 

@@ -16,7 +16,7 @@ import impact
 from derivations import languages
 from derivations.languages import FUNCTIONS, LAWS, RECORDS
 
-from . import sampling, test_pairs
+from . import sampling, test_pairs, test_public_api
 from .command_line import called, enter
 from .sampling import each_law
 
@@ -65,7 +65,7 @@ void {name}(int law, int n, const double *a, double *r) {{
 # A function of rows: records are made of their numbers, what is returned goes back as text.
 IN_JAVASCRIPT = """
 const made = (kind, a) => kind in records ? Object.fromEntries(
-    records[kind].map(field => [field, made(kinds[field] || field, a)])) : a.shift();
+    Object.keys(records[kind]).map(field => [field, made(kinds[field] || field, a)])) : a.shift();
 const flat = x => typeof x === "object" ? Object.values(x).flatMap(flat) : [x];
 const run = (name, given, law, rows) => rows.map(a => flat(rodImpact[name](
     ...given.map(kind => kind === "law" ? law : made(kind, a)))).join(" ")).join("\\n");
@@ -109,8 +109,8 @@ def c_runner(header, flags):
 def javascript_runner():
     """Calls of the functions of the script."""
     engine = quickjs.Context()
-    known = {"records": {x: list(of) for x, of in RECORDS.items()}, "kinds": languages._RECORD_OF}
-    constants = "".join(f"const {name} = {json.dumps(x)};" for name, x in known.items())
+    records, kinds = map(json.dumps, (RECORDS, languages._RECORD_OF))
+    constants = f"const records = {records}, kinds = {kinds};"
     engine.eval(languages.source("javascript") + constants + IN_JAVASCRIPT)
 
     def run(name, law, columns):
@@ -292,8 +292,7 @@ CALL = '#include "rod_impact.h"\nint main(void) { return rod_impact_is_exact(); 
     ],
 )
 def test_flags_that_break_sums_are_refused(header, flag):
-    (header / "call.c").write_text(CALL)
-    done = called(CC, *flag.split(), "-c", "-o", "/dev/null", "call.c", cwd=header)
+    done = called(CC, *flag.split(), "-fsyntax-only", "-xc", "-", input=CALL, cwd=header)
     assert done.returncode != 0
     assert "#error" in done.stderr
 
@@ -328,7 +327,7 @@ def test_the_module_exports_what_the_script_holds(tmp_path):
         "Regime.SLIP_STICK, Object.keys(rodImpact).join());\n"
     )
     done = called("node", "use.mjs", cwd=tmp_path)
-    hit = impact.collide(1.0, -2.0, geometry=impact.thin_rod(0.4), friction=0.3, restitution=0.65)
+    hit = test_public_api.call("collide")
     names = ",".join(["Regime", *FUNCTIONS])
     assert done.stdout == f"true {hit.regime:d} 2 {names}\n"
 
@@ -357,6 +356,5 @@ def test_the_command_prints_a_text():
 
 @pytest.mark.skipif(shutil.which("c++") is None, reason="there is no C++ compiler")
 def test_the_header_is_cpp_as_well(header):
-    (header / "all.cpp").write_text('#include "rod_impact.h"\n')
-    flags = "-Wall -Wextra -pedantic -Werror -fsyntax-only"
-    called("c++", *flags.split(), "all.cpp", cwd=header, check=True)
+    flags = "-Wall -Wextra -pedantic -Werror -fsyntax-only -xc++ -"
+    called("c++", *flags.split(), input=CALL, cwd=header, check=True)
