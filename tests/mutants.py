@@ -13,13 +13,12 @@ from functools import partial, wraps
 from unittest.mock import patch
 
 import sympy as sp
+from sympy.core.relational import Relational
 
 from derivations import axioms, trace
 from derivations.equality import components, equal_at_random_points
 from derivations.proof import Equation
 from derivations.registry import ENTRIES
-
-Relational = sp.core.relational.Relational
 
 EQUATIONS = [entry for entry in ENTRIES if isinstance(entry, Equation)]
 FACTOR = sp.Rational(8, 7)

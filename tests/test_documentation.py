@@ -3,15 +3,13 @@
 import doctest
 import importlib
 import inspect
-import os
 import re
-import sys
 from enum import Enum
 from types import FunctionType
 
 import pytest
 
-from .command_line import PACKAGES, ROOT, called, python, read_toml
+from .command_line import PACKAGES, ROOT, python, read_toml
 from .test_imports import modules
 
 # The public modules; of each, what `__all__` holds is public, or all of its own without a list.
@@ -179,8 +177,7 @@ def test_a_script_under_strict_mypy_has_numbers_and_arrays(tmp_path):
     """No field of a result that is read is Any; a misspelt name is still told."""
     (tmp_path / "script.py").write_text(TYPED)
     exec(compile(TYPED.rpartition("\nimpact.")[0], "script", "exec"), {})
-    words = sys.executable, "-m", "mypy", "--strict", "--follow-imports=silent", "script.py"
-    told = called(*words, cwd=tmp_path, env=os.environ | {"MYPYPATH": str(ROOT)})
+    told = python("-m mypy --strict --follow-imports=silent script.py", cwd=tmp_path)
     assert told.returncode == 0, told.stdout
 
 
