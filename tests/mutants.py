@@ -10,6 +10,7 @@ from collections import namedtuple
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial, wraps
+from itertools import pairwise
 from unittest.mock import patch
 
 import sympy as sp
@@ -81,7 +82,7 @@ def _changes_of(form):
     if form.is_number:
         yield "plus 1", form + 1
     letters = sorted(form.free_symbols, key=str)
-    for one, other in zip(letters, letters[1:] + letters[:1], strict=True):
+    for one, other in pairwise(letters + letters[:1]):
         if one != other:
             yield f"{one} to {other}", form.xreplace({one: other})
     for path, node in _nodes(form):

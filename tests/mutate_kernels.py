@@ -92,8 +92,8 @@ def body(node):
 
 def is_kernel(node):
     """Whether a decorator is `kernel`, `kernel(...)` or `module.kernel`."""
-    made = (d.func if isinstance(d, ast.Call) else d for d in node.decorator_list)
-    return any(getattr(d, "attr", getattr(d, "id", "")) == "kernel" for d in made)
+    made = map(ast.unparse, node.decorator_list)
+    return any(re.fullmatch(r"(\w+\.)*kernel(\(.*\))?", decorator) for decorator in made)
 
 
 def places():

@@ -84,8 +84,9 @@ def test_what_contradicts_a_mistake_is_named(tag):
 
 
 def test_a_counter_example_has_the_printed_value_first():
-    entry, number = BY_TAG["12"], proof._number
-    printed, derived = (number(x.subs(proof.EXAMPLE)) for x in (entry.printed, entry.derive()))
+    entry = BY_TAG["12"]
+    forms = (form.subs(proof.EXAMPLE) for form in (entry.printed, entry.derive()))
+    printed, derived = map(proof._number, forms)
     assert entry.prove().evidence.startswith(f"printed ${printed}$, derived ${derived}$ at")
 
 
@@ -311,8 +312,8 @@ def test_unplain_arithmetic_is_not_generated(square, monkeypatch):
 
 def test_check_prints_a_table_and_json_for_machines(monkeypatch):
     monkeypatch.setattr(registry, "ENTRIES", (BY_TAG["8"], kernel.CODE[1], BY_TAG["12"]))
-    table, *lines = enter("derivations check").out.rpartition("3 entries: ")
-    assert lines[1] == "1 agrees, 1 new, 1 erratum; 0 not proved\n"
+    table, _, counts = enter("derivations check").out.rpartition("3 entries: ")
+    assert counts == "1 agrees, 1 new, 1 erratum; 0 not proved\n"
     assert "erratum" in table
     rows = json.loads(enter("derivations check --json").out)
     for row, verdict in zip(rows, ("agrees", "new", "erratum"), strict=True):

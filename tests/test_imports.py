@@ -2,6 +2,7 @@
 
 import ast
 from graphlib import TopologicalSorter
+from importlib.util import resolve_name
 
 import pytest
 
@@ -31,8 +32,7 @@ def imported(name, known):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
-            here = name.split(".")[: -node.level] if node.level else []
-            base = ".".join([*here, *(node.module or "").split(".")]).strip(".")
+            base = resolve_name("." * node.level + (node.module or ""), name.rpartition(".")[0])
             inner = {f"{base}.{alias.name}" for alias in node.names}
             found |= {one if {one, f"{one}.__init__"} & known.keys() else base for one in inner}
     return {f"{one}.__init__" if f"{one}.__init__" in known else one for one in found}

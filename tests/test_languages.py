@@ -99,8 +99,7 @@ def c_runner(header, flags):
     def run(name, law, columns):
         given = np.stack(np.broadcast_arrays(*columns), axis=-1)
         returned = np.empty((len(given), len(found(name))))
-        pointers = [array.ctypes.data_as(ctypes.c_void_p) for array in (given, returned)]
-        getattr(library, name)(LAWS.index(law), len(given), *pointers)
+        getattr(library, name)(LAWS.index(law), len(given), given.ctypes, returned.ctypes)
         return returned.T
 
     return run
@@ -133,7 +132,7 @@ def run(request):
 
 def impacts(n, seed):
     """Impacts of all kinds, many of them on an edge; many in the Painleve region."""
-    parts = zip(sampling.everyday(n // 2, seed), sampling.wide(n - n // 2, seed + 1), strict=True)
+    parts = zip(sampling.everyday(n // 2, seed), sampling.wide(n // 2, seed + 1), strict=True)
     i = sampling.Impacts(*map(np.concatenate, parts))
     rng = default_rng(seed)
     edges = {"friction": (0, np.inf), "restitution": (0, 1), "c_x": (0,), "omega": (0,), "X": (0,)}
@@ -245,12 +244,11 @@ def test_the_example_of_the_header_prints_what_python_finds(header):
     after = impact.collide(1.0, -2.0, geometry=rod, friction=0.3, restitution=0.65)
     ball, rest = (1.0, 0.63, 0.0, 1.0, 0.0, -1.0, 2.0), (1.0, 0.63, 0.0, -1.0, 0.0, 0.0, 0.0)
     hit = impact.collide_pair(ball, rest, friction=0.3, restitution=1.0, law="stronge")
-    assert [float(x) for x in re.findall(r"-?\d[\d.]*", printed)] == pytest.approx(
-        [
-            *(after.regime, after.c_x, after.c_z, after.omega),
-            *(hit.regime, hit.first.omega, hit.second.omega, hit.energy_change),
-        ],
-        abs=5e-7,
+    assert printed == (
+        f"plate: regime {after.regime:d}, velocity {after.c_x:.6f} {after.c_z:.6f}, "
+        f"spin {after.omega:.6f}\n"
+        f"balls: regime {hit.regime:d}, spins {hit.first.omega:.6f} {hit.second.omega:.6f}, "
+        f"energy {hit.energy_change:+.6f}\n"
     )
 
 
