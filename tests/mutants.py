@@ -126,41 +126,41 @@ def says_the_same(a, b, up_to=""):
     return all(equal_at_random_points(x.doit(), y.doit()) for x, y in pairs)
 
 
-def _tried(entry, side, form):
-    """Every change; the form itself keeps its verdict, so that the change alone is judged."""
-    lefts = entry.lefts
-    left = entry.left or (lefts[0] if len(lefts) == 1 else f"({', '.join(lefts)})")
-
-    def proved(new):
-        given = {"said": new} if side == "printed" else {"derive": lambda: new, "left": left}
-        return replace(entry, **given).prove().ok
-
-    assert proved(form)
+def _tried(tag, side, form, proved, up_to=""):
+    """Every change of a form; `proved` says whether all that rests on a form is proved with it."""
     for what, new in changes(form):
         outcome = "caught"
         if proved(new):
-            outcome = "equivalent" if says_the_same(new, form) else "survived"
-        yield Mutant(entry.tag, side, what, outcome)
+            outcome = "equivalent" if says_the_same(new, form, up_to) else "survived"
+        yield Mutant(tag, side, what, outcome)
 
 
 def of_entry(entry):
     """Try every change of both sides of one entry."""
+    lefts = entry.lefts
+    left = entry.left or (lefts[0] if len(lefts) == 1 else f"({', '.join(lefts)})")
+
+    def proved(side, new):
+        given = {"said": new} if side == "printed" else {"derive": lambda: new, "left": left}
+        return replace(entry, **given).prove().ok
+
+    sides = {"derived": entry.derive()}
     if entry.printed is not None and not entry.repair:  # which is a change of the LaTeX itself
-        yield from _tried(entry, "printed", entry.printed)
-    yield from _tried(entry, "derived", entry.derive())
+        sides["printed"] = entry.printed
+    for side, form in sides.items():
+        assert proved(side, form)  # so that the change alone is judged
+        yield from _tried(entry.tag, side, form, partial(proved, side))
 
 
 def of_axiom(axiom):
     """Try every change of an axiom against the entries that rest on it."""
     resting = [entry for entry in EQUATIONS if axiom.tag in entry.rests_on]
-    usual = axiom.form
-    for what, new in changes(usual):
-        outcome = "caught"
+
+    def proved(new):
         with derived_again("axiom", axiom.tag), patch.object(axiom, "form", new):
-            if all(entry.prove().ok for entry in resting):
-                same = says_the_same(new, usual, COMPARED.get(axiom.tag, ""))
-                outcome = "equivalent" if same else "survived"
-        yield Mutant(axiom.tag, "axiom", what, outcome)
+            return all(entry.prove().ok for entry in resting)
+
+    yield from _tried(axiom.tag, "axiom", axiom.form, proved, COMPARED.get(axiom.tag, ""))
 
 
 def trials():

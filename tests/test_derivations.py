@@ -302,10 +302,9 @@ def test_generating_again_leaves_the_file_alone(tmp_path):
 
 @pytest.mark.parametrize("square", ["X**2", "sqrt(X * X * X * X)"])
 def test_unplain_arithmetic_is_not_generated(square, monkeypatch):
-    name = "painleve_friction"
-    (function,) = (x for x in closed_forms.FUNCTIONS if x.name == name)
-    changed = {"text": function.words["text"].replace("X * X", square)}
-    monkeypatch.setitem(rewrites.WORDS, name, function.words | changed)
+    (function,) = (x for x in closed_forms.FUNCTIONS if x.name == "painleve_friction")
+    changed = function.words["text"].replace("X * X", square)
+    monkeypatch.setitem(function.words, "text", changed)
     with pytest.raises((ValueError, TypeError), match=r"not plain|not callable"):
         codegen.text(replace(function))
 

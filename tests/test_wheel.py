@@ -34,15 +34,13 @@ COMMANDS = {
 
 def test_the_version_stands_in_one_place_and_others_agree():
     """It stands in `pyproject.toml`; citations and the change log's newest heading repeat it."""
-    site = (DOCS / "installation.md").read_text("utf-8")
-    assert f"version = {{{VERSION}}}" in site
+    assert f"version = {{{VERSION}}}" in (DOCS / "installation.md").read_text("utf-8")
     citation = (ROOT / "CITATION.cff").read_text("utf-8")
     assert re.findall(r"^version: (.+)$", citation, re.M) == [VERSION]
     (released,) = re.findall(r"^date-released: (\d{4}-\d\d-\d\d)$", citation, re.M)
     changes = (ROOT / "CHANGELOG.md").read_text("utf-8")
-    newest, date = re.search(r"^## ([\d.]+), (.+)$", changes, re.M).groups()
-    assert newest == VERSION
-    assert date in ("unreleased", released)
+    newest = re.search(r"^## .+$", changes, re.M)[0]
+    assert newest in (f"## {VERSION}, unreleased", f"## {VERSION}, {released}")
 
 
 @pytest.fixture(scope="module")
