@@ -16,8 +16,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from impact import drift, spherocylinder
-from md.domains import InputError
 
+from ..lib.bounces import bounced, estimates
 from ..lib.runs import FRICTION, GAMMA, LENGTH, RESTITUTION, with_error
 from ..lib.style import (
     BLACK,
@@ -45,9 +45,7 @@ def _measured(prefix: str, runs: np.ndarray) -> Data:
     """Means and errors of runs, arrays of their shape, one a field."""
     found = {}
     for field in MEASURED_FIELDS:
-        mean, error = np.transpose([getattr(run, field) for run in runs.flat])
-        mean, error = mean.reshape(runs.shape), error.reshape(runs.shape)
-        found |= with_error(f"{prefix}_{field}", mean, error)
+        found |= with_error(f"{prefix}_{field}", *estimates(runs, field))
     return found
 
 
@@ -58,29 +56,24 @@ def data(
     length: float = LENGTH,
 ) -> Data:
     """Sweeps over tilt [rad] and gamma; velocities in V_0, flights in periods."""
-    if friction == 0:
-        raise InputError("friction must be > 0, else rods keep their first velocity; got 0")
     from impact.bouncing import bounce  # compiles
 
     setting = {"friction": friction, "restitution": restitution}
     rods, landings = (30, 200) if quick else (200, 1000)
-
-    @partial(np.vectorize, otypes=[object])
-    def run(tilt, gamma):
-        return bounce(
-            spherocylinder(tilt, length),
-            gamma=gamma,
-            **setting,
-            landings=landings,
-            rods=rods,
-            transient=200,
-            shortest_flight=SHORTEST_FLIGHT,
-        )
-
+    run = partial(
+        bounced,
+        length=length,
+        landings=landings,
+        rods=rods,
+        transient=200,
+        shortest_flight=SHORTEST_FLIGHT,
+        **setting,
+    )
     tilts = np.radians(np.arange(0, 76, 5 if quick else 1))
     onset = np.geomspace(1e-3, 0.1, 4 if quick else 8)
     gammas = np.concatenate([1 + onset, np.arange(1.2, 5.01, 0.4 if quick else 0.1)])
-    over_tilt, over_gamma = run(tilts, GAMMA), run(np.radians(ALPHA_TILTS_DEG)[:, None], gammas)
+    few = np.radians(ALPHA_TILTS_DEG)
+    over_tilt, over_gamma = run(tilts, GAMMA), run(few[:, None], gammas)
     fine = np.concatenate([1 + np.geomspace(1e-4, 0.1, 30), np.linspace(1.11, np.hypot(1, np.pi))])
     upright, flat = spherocylinder(0.0, length), spherocylinder(np.pi / 2, length)
     inelastic = [
@@ -98,7 +91,7 @@ def data(
         **setting,
         "length": length,
         "gammas": gammas,
-        "gamma_tilt": np.radians(ALPHA_TILTS_DEG),
+        "gamma_tilt": few,
         **_measured("gamma", over_gamma),
         "inelastic_gamma": fine,
         "inelastic_alpha": np.array(inelastic),
@@ -123,7 +116,6 @@ def _over_tilt(axes, d):
         cmap="Greys",
         vmin=0,
         vmax=1,
-        shading="nearest",
         rasterized=True,
     )
     curve(b, d, "deg", "tilt_flight", RIGID, "mean", ms=2)
