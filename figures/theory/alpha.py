@@ -56,8 +56,6 @@ def data(
     length: float = LENGTH,
 ) -> Data:
     """Sweeps over tilt [rad] and gamma; velocities in V_0, flights in periods."""
-    from impact.bouncing import bounce  # compiles
-
     setting = {"friction": friction, "restitution": restitution}
     rods, landings = (30, 200) if quick else (200, 1000)
     run = partial(
@@ -75,13 +73,10 @@ def data(
     few = np.radians(ALPHA_TILTS_DEG)
     over_tilt, over_gamma = run(tilts, GAMMA), run(few[:, None], gammas)
     fine = np.concatenate([1 + np.geomspace(1e-4, 0.1, 30), np.linspace(1.11, np.hypot(1, np.pi))])
-    upright, flat = spherocylinder(0.0, length), spherocylinder(np.pi / 2, length)
-    inelastic = [
-        bounce(upright, gamma=g, friction=friction, restitution=0.0, landings=1).alpha.mean
-        for g in fine
-    ]
+    inelastic = bounced(0.0, fine, length, friction=friction, restitution=0.0, landings=1)
+    flat = spherocylinder(np.pi / 2, length)
     with np.errstate(divide="ignore", invalid="ignore"):
-        again = np.arcsin(np.sqrt(restitution) * upright.k / flat.X)
+        again = np.arcsin(np.sqrt(restitution) * flat.k / flat.X)
     return {
         "tilt": tilts,
         **_measured("tilt", over_tilt),
@@ -94,7 +89,7 @@ def data(
         "gamma_tilt": few,
         **_measured("gamma", over_gamma),
         "inelastic_gamma": fine,
-        "inelastic_alpha": np.array(inelastic),
+        "inelastic_alpha": estimates(inelastic, "alpha")[0],
     }
 
 
@@ -108,10 +103,9 @@ def _over_tilt(axes, d):
     zero_line(a)
 
     share = d["tilt_flights"].T / 16
-    length = np.arange(len(share)) / 16
     b.pcolormesh(
         d["deg"],
-        length,
+        np.arange(len(share)) / 16,
         np.sqrt(share),
         cmap="Greys",
         vmin=0,

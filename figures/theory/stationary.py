@@ -113,8 +113,9 @@ def data(
 
 
 def _density(ax, d):
-    looks = zip(FALLS, d["density"], shades(len(FALLS)), FORMS, strict=True)
-    for q, density, colour, form in looks:
+    for q, density, colour, form in zip(
+        FALLS, d["density"], shades(len(FALLS)), FORMS, strict=True
+    ):
         ax.plot(np.degrees(d["phase"]), density, form, color=colour, label=f"{q:g}")
     ax.set(
         xlabel=r"phase $\theta$ (deg)",

@@ -29,8 +29,8 @@ from ..lib.style import (
     SHAPE_COLOURS,
     SHAPES,
     Data,
+    curve,
     painted,
-    points,
     style,
     tilt_axis,
     zero_line,
@@ -79,8 +79,8 @@ def data(
     """Drift in units of V_z, over tilt [rad] and over length; lengths in diameters."""
     n = 61 if quick else 601
     # The sign of a zero tilt says which edge of a flat end touches: both are there, in a row.
-    tilt_deg = np.concatenate([-np.linspace(20, 0, n // 3), np.linspace(0, 60, n)])
-    tilt, fixed, lengths = np.radians(tilt_deg), np.radians(15), np.geomspace(1, 20, n)
+    tilt = np.radians(np.concatenate([-np.linspace(20, 0, n // 3), np.linspace(0, 60, n)]))
+    fixed, lengths = np.radians(15), np.geomspace(1, 20, n)
 
     setting = {"friction": friction, "restitution": restitution}
 
@@ -161,9 +161,9 @@ def _over_length(ax, d):
 
 
 def _over_bounces(ax, d):
+    d = {**d, "deg": np.degrees(d["bounced_tilt"])}
     for kind in ("round", "flat"):
-        drift, error = d[f"{kind}_bounced"], d[f"{kind}_bounced_error"]
-        points(ax, np.degrees(d["bounced_tilt"]), drift, error, SHAPE_COLOURS[kind])
+        curve(ax, d, "deg", f"{kind}_bounced", SHAPE_COLOURS[kind])
     _marks(ax, d)
     ax.text(0.97, 0.95, r"mean over $\Gamma$", transform=ax.transAxes, ha="right", va="top")
     ax.set_ylabel(r"drift $c_x/V_0$")
@@ -181,11 +181,10 @@ def _one(ax, d):
 
 @style
 def draw(d: Data) -> plt.Figure:
-    fixed = rf"$\phi$ = {np.degrees(d['fixed_tilt']):g}°"
     length = rf"$l={d['length']:g}\,d$"
     panels = {
         f"closure, {length}": _over_tilt,
-        f"closure, {fixed}": _over_length,
+        rf"closure, $\phi$ = {np.degrees(d['fixed_tilt']):g}°": _over_length,
         f"repeated impacts, {length}": _over_bounces,
         f"one impact, {length}": _one,
     }
