@@ -9,8 +9,6 @@ the experiment's annulus, where the number of rods sets the tilt; arrows in (d):
 weighted by the speed of approach, up where positive. The row has no walls and no curvature.
 """
 
-from functools import partial
-
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import TwoSlopeNorm
@@ -20,6 +18,7 @@ from impact import drift, spherocylinder
 from md.sweep import Sweep
 
 from ..claims.over_tilt import CLEAR
+from ..lib.bounces import bounced, estimates
 from ..lib.runs import (
     ANNULUS,
     FRICTION,
@@ -45,7 +44,6 @@ from ..lib.style import (
     legend_above,
     name_panels,
     note,
-    points,
     shades,
     style,
     zero_line,
@@ -82,26 +80,19 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
     }
 
 
-def _lone(gamma: np.ndarray, tilt: np.ndarray, quick: bool) -> tuple[np.ndarray, np.ndarray]:
-    """Drift [V_0] and alpha of one rigid rod, (gamma, tilt)."""
-    from impact.bouncing import bounce  # compiles
-
+def _lone(gamma: np.ndarray, tilt: np.ndarray, quick: bool) -> np.ndarray:
+    """Runs of one rigid rod, (gamma, tilt)."""
     rods, landings, transient = (20, 60, 100) if quick else (60, 300, 150)
-
-    @partial(np.vectorize, otypes=[float, float])
-    def run(gamma, tilt):
-        found = bounce(
-            spherocylinder(tilt, LENGTH),
-            gamma=gamma,
-            **SETTING,
-            landings=landings,
-            rods=rods,
-            transient=transient,
-            shortest_flight=0.01,
-        )
-        return found.drift.mean, found.alpha_impulse.mean
-
-    return run(gamma[:, None], tilt)
+    return bounced(
+        tilt,
+        gamma[:, None],
+        LENGTH,
+        landings=landings,
+        rods=rods,
+        transient=transient,
+        shortest_flight=0.01,
+        **SETTING,
+    )
 
 
 def data(quick: bool = False) -> Data:
@@ -111,46 +102,49 @@ def data(quick: bool = False) -> Data:
     """
     fine_gamma = np.linspace(1.02, 4, 12 if quick else 40)
     fine_deg = np.linspace(2, 65, 10 if quick else 22)
-    plan, nominal, chosen = sweeps(quick), np.array(NOMINAL_DEG[quick]), CHOSEN[quick]
+    plan, nominal = sweeps(quick), np.array(NOMINAL_DEG[quick])
+    chosen = np.array(CHOSEN[quick])
     # a row and an annulus first: their kernels are compiled side by side
     computed(Sweep((), (plan["annulus"].points[0], *plan["grid"].points)))
     found = {}
     for name, prefix in (("grid", ""), ("annulus", "ring_")):
         found |= drift_and_tilt(plan[name], prefix) | means(plan[name], {f"{prefix}V_z": AT_TOUCH})
         found[f"{prefix}kind"] = classify(found[f"{prefix}c_x"], found[f"{prefix}c_x_error"])
-    lone_c_x, lone_alpha = _lone(fine_gamma, np.radians(fine_deg), quick)
+    lone = _lone(fine_gamma, np.radians(fine_deg), quick)
     speed = plate_speed_cm_s(fine_gamma)
-    rods = spherocylinder(np.radians(nominal[[*chosen]]), LENGTH)
+    rods = spherocylinder(np.radians(nominal[chosen]), LENGTH)
     return {
         "gamma": np.array(MAP_GAMMAS[quick]),
         "nominal_deg": nominal,
         **found,
         "ring_count": np.array(MAP_COUNTS[quick]),
-        "chosen": np.array(chosen),
+        "chosen": chosen,
         "fine_gamma": fine_gamma,
         "fine_deg": fine_deg,
-        "lone_c_x": speed[:, None] * lone_c_x,
-        "lone_alpha": lone_alpha,
+        "lone_c_x": speed[:, None] * estimates(lone, "drift")[0],
+        "lone_alpha": estimates(lone, "alpha_impulse")[0],
         "closure": drift(rods, **SETTING).c_x[:, None] * speed / 2,
     }
 
 
-def _map(ax, gamma: np.ndarray, tilt: np.ndarray, kind: np.ndarray):
+def _map(ax, d, tilt: str, kind: str):
     """Draw symbols where there is drift forward, none, or reverse."""
-    gamma = np.broadcast_to(gamma[:, None], kind.shape)
-    looks = {"forward": (1, FORWARD, "o"), "none": (0, "white", "o"), "reverse": (-1, REVERSE, "v")}
-    for label, (which, face, marker) in looks.items():
-        here = kind == which
-        ax.plot(gamma[here], tilt[here], marker, mfc=face, mec=BLACK, mew=0.6, ms=4.5, label=label)
+    gamma, tilt_deg = np.broadcast_arrays(d["gamma"][:, None], d[tilt])
+    looks = ("forward", 1, FORWARD, "o"), ("none", 0, "white", "o"), ("reverse", -1, REVERSE, "v")
+    for label, which, face, marker in looks:
+        here = d[kind] == which
+        ax.plot(
+            gamma[here], tilt_deg[here], marker, mfc=face, mec=BLACK, mew=0.6, ms=4.5, label=label
+        )
     ax.set(ylabel=r"tilt $\phi$ (deg)", ylim=(0, 66), xlim=(0.95, 4.1))
 
 
 def _near_onset(ax, d, prefix: str, looks: dict[int, tuple[str, str]]):
     """Draw drifts below the onset, linear and logarithmic; `looks`: colour and name by column."""
     early = d["gamma"] <= ONSET
-    for i, (colour, label) in looks.items():
-        drifts = (d[f"{prefix}c_x{kind}"][early, i] for kind in ("", "_error"))
-        points(ax, d["gamma"][early], *drifts, colour, label=label)
+    d = {**d, "gamma": d["gamma"][early]}
+    for i, look in looks.items():
+        curve(ax, d, "gamma", f"{prefix}c_x", *look, at=(early, i))
     ax.set_yscale("symlog", linthresh=FLOOR_CM_S)
     ax.axhspan(-FLOOR_CM_S, FLOOR_CM_S, color="0.88", lw=0)
     ax.text(1.63, FLOOR_CM_S / 2, "counts as none", va="center", ha="right")
@@ -168,7 +162,6 @@ def _rows(axes, d):
         cmap=DRIFTS,
         norm=TwoSlopeNorm(0, -top / 4, top),
         alpha=0.55,
-        shading="nearest",
         rasterized=True,
     )
     bar = a.figure.colorbar(mesh, ax=a, label="one rigid rod (cm/s)", pad=0.02)
@@ -177,7 +170,7 @@ def _rows(axes, d):
     alpha = np.nan_to_num(d["lone_alpha"].T, nan=-1.0)
     a.contour(d["fine_gamma"], d["fine_deg"], alpha, [0.0], colors=BLACK, linestyles="--")
     a.plot([], [], "--", color=BLACK, label="$V_z=0$, one rigid rod")
-    _map(a, d["gamma"], np.broadcast_to(d["nominal_deg"], d["kind"].shape), d["kind"])
+    _map(a, d, "nominal_deg", "kind")
     tilts = [rf"$\phi={tilt:.0f}$°" for tilt in d["nominal_deg"]]
     looks = [*zip(shades(len(tilts)), tilts, strict=True)]
     for i, line in zip(d["chosen"], d["closure"], strict=True):
@@ -193,9 +186,8 @@ def _rows(axes, d):
 def _annuli(axes, d):
     a, b, c = axes
     size = ARROW_DEG * np.clip(d["ring_V_z"], -1, 1)
-    gamma = np.broadcast_to(d["gamma"][:, None], size.shape)
     arrows = a.quiver(
-        gamma,
+        np.broadcast_to(d["gamma"][:, None], size.shape),
         d["ring_tilt"],
         0 * size,
         size,
@@ -205,10 +197,8 @@ def _annuli(axes, d):
         color="0.3",
         width=0.012,
     )
-    a.quiverkey(
-        arrows, 0.6, 1.09, ARROW_DEG / 2, "$V_z=V_0/2$", angle=90, labelpos="E", coordinates="axes"
-    )
-    _map(a, d["gamma"], d["ring_tilt"], d["ring_kind"])
+    a.quiverkey(arrows, 0.6, 1.09, ARROW_DEG / 2, "$V_z=V_0/2$", angle=90, labelpos="E")
+    _map(a, d, "ring_tilt", "ring_kind")
     names = [rf"$N={n}$" for n in d["ring_count"]]
     looks = dict(enumerate(zip(shades(len(names))[::-1], names, strict=True)))
     for i, look in looks.items():
@@ -223,10 +213,10 @@ def draw(d: Data) -> plt.Figure:
     figure, axes = plt.subplots(2, 3, figsize=(7.0, 5.8), width_ratios=(1.35, 1, 1))
     _rows(axes[0], d)
     _annuli(axes[1], d)
-    axes[0, 0].plot([], [], **DOTTED, label="the paper's rods begin to move")
     clear = {axes[0, 1]: (0.25, 1), axes[1, 1]: (0, 0.74)}  # of the legends
+    words = "the paper's rods begin to move"
     for ax in axes.flat:
-        ax.axvline(ONSET, *clear.get(ax, (0, 1)), **DOTTED)
+        ax.axvline(ONSET, *clear.get(ax, (0, 1)), **DOTTED, label=words)
         ax.set_xlabel(r"acceleration $\Gamma$")
     legend_above(figure, axes[0, 0], ncols=3)
     for ax in axes[:, 1:].flat:

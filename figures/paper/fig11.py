@@ -58,15 +58,15 @@ def _curves(ax, d):
     drifts = np.isfinite(d["c_x"]).any()  # without friction nothing says how fast
     ax.plot(tilt_deg, d["c_x"], color=SIMULATED, label=r"drift $c_x'$" if drifts else None)
     ax.plot(tilt_deg, d["c_z"], "-.", color=ANOTHER, label=r"rise $c_z'$")
-    branches = {
-        "stick": (Regime.SLIP_STICK, "slip-stick (26)"),
-        "reversal": (Regime.SLIP_REVERSAL, "slip reversal (29)"),
-    }
-    for (name, (regime, words)), colour in zip(branches.items(), REGIME_COLOURS[1:], strict=True):
+    branches = (
+        ("stick", Regime.SLIP_STICK, "slip-stick (26)"),
+        ("reversal", Regime.SLIP_REVERSAL, "slip reversal (29)"),
+    )
+    for name, regime, words in branches:
         c_x = d[f"{name}_c_x"]
         unphysical = np.isfinite(c_x) & (d["regime"] != regime)
         label = f"{words} where it does not hold" if unphysical.any() else None
-        ax.plot(tilt_deg, c_x, "--", color=colour, zorder=1.9, label=label)
+        ax.plot(tilt_deg, c_x, "--", color=REGIME_COLOURS[regime - 1], zorder=1.9, label=label)
     edges = critical_deg(d)
     label = f"roots of (23): {', '.join(f'{edge:.2f}°' for edge in edges)}"
     for edge in edges:
