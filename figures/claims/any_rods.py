@@ -62,28 +62,20 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
     sets, tilts, points = drawn(quick), TILTS_DEG[quick], []
     base = put(SIMPLE_ROW, RESOLVED)
     for i in range(SETS[quick]):
-        values = {name: x[i].item() for name, x in sets.items()}
-        count = int(values["number of rods"])
-        changes = {key: values[name] for name, p in PROPERTIES.items() for key in p.keys}
+        changes = {k: sets[name][i].item() for name, p in PROPERTIES.items() for k in p.keys}
+        changes["rods.count"] = count = int(changes["rods.count"])
         for box in boxes(tilts, count):
-            changed = {**changes, "rods.count": count, "box.length": box}
-            points.append(point_at(base, changed, {"set": i}, PERIODS[quick]))
+            points.append(point_at(base, changes | {"box.length": box}, {"set": i}, PERIODS[quick]))
     axes = {"set": [*range(SETS[quick])]}, {"tilt": [*tilts]}, {"start.seed": [1]}
     return {"sets": Sweep(axes, tuple(points))}
-
-
-def _of_each(whole: Sweep) -> list[Sweep]:
-    """The rows of each set over tilt."""
-    _, *axes = whole.axes
-    each = len(whole.points) // whole.shape[0]
-    starts = range(0, len(whole.points), each)
-    return [Sweep(tuple(axes), whole.points[i : i + each]) for i in starts]
 
 
 def data(quick: bool = False) -> Data:
     """Properties of all sets, numbers of the claims, drifts [cm/s] over tilt and the theory's."""
     nominal, whole = np.array(TILTS_DEG[quick]), computed(sweeps(quick)["sets"])
-    tables = [over_tilt.table(sweep, nominal, own=True) for sweep in _of_each(whole)]
+    firsts = range(0, len(whole.points), nominal.size)
+    sets = [Sweep(whole.axes[1:], whole.points[i : i + nominal.size]) for i in firsts]
+    tables = [over_tilt.table(sweep, nominal, own=True) for sweep in sets]
     values = [[over_tilt.NUMBERS[name](table) for name in JUDGED] for table in tables]
     return {
         **drawn(quick),
@@ -92,7 +84,7 @@ def data(quick: bool = False) -> Data:
         "nominal": nominal,
         "c_x": np.array([table["c_x"] for table in tables]),
         "theory": np.array([over_tilt.theory(table, nominal) for table in tables]),
-        "tilt_off": np.array([np.abs(table["tilt"] - nominal).max() for table in tables]),
+        "tilt_off": np.array([over_tilt.NUMBERS["S2.largest"](table) for table in tables]),
     }
 
 
@@ -159,5 +151,4 @@ def _follows(
     most = max(rank, key=lambda name: abs(rank[name]))
     if abs(rank[most]) < FOLLOWS:
         return None
-    where = d[most][some][true]
-    return {"property": most, "rank": rank[most], "middle": _quartiles(where)[::2]}
+    return {"property": most, "rank": rank[most], "middle": _quartiles(d[most][some][true])[::2]}

@@ -41,8 +41,9 @@ def measure(claim: str, evidence: Any) -> dict[str, Number]:
 
     found = {}
     for name, number in over_tilt.NUMBERS.items():
-        if name.startswith(f"{claim}."):
-            found[name.partition(".")[2]] = resampled(evidence.over_tilt, number)
+        of, key = name.split(".")
+        if of == claim:
+            found[key] = resampled(evidence.over_tilt, number)
     if claim in MEASURES:
         function, figure = MEASURES[claim]
         d = evidence.figure(figure) if figure else evidence
@@ -54,11 +55,10 @@ def measure(claim: str, evidence: Any) -> dict[str, Number]:
 def close(number: Number, limits: dict[str, Any]) -> bool:
     """Whether a limit is as near as two standard errors, or one error of another notion."""
     random = number.notion == "standard error"
-    borders = [x for x in limits["holds"] if math.isfinite(x)]
     if random and math.isfinite(number.value) and math.isnan(number.error):
         return True  # in some draws the value is not there
     reach = (2 if random else 1) * number.error
-    return reach > 0 and any(abs(number.value - border) <= reach for border in borders)
+    return reach > 0 and any(abs(number.value - limit) <= reach for limit in limits["holds"])
 
 
 def verdict(number: Number, limits: dict[str, Any]) -> str:
@@ -71,8 +71,8 @@ def verdict(number: Number, limits: dict[str, Any]) -> str:
 
 def judged_number(number: Number, limits: dict[str, Any]) -> dict[str, Any]:
     """A number with its limits and, if it has any, the verdict."""
-    value, error = float(number.value), float(number.error)
-    row = {**limits, "value": value, "error": error, "notion": number.notion}
+    value = float(number.value)
+    row = {**limits, "value": value, "error": float(number.error), "notion": number.notion}
     if "holds" in limits:
         row["verdict"] = verdict(number, limits)
         row["deviation"] = deviation(value, limits)
@@ -86,8 +86,9 @@ def _judged(claim: dict[str, Any], evidence: Any) -> dict[str, Any]:
         measured = measure(claim["id"], evidence)
     except NO_DATA as failure:
         trouble = f"{type(failure).__name__}: {' '.join(str(failure).split())}"
-    unknown = Number(math.nan)
-    rows = [judged_number(measured.get(row["key"], unknown), row) for row in claim["numbers"]]
+    rows = [
+        judged_number(measured.get(row["key"], Number(math.nan)), row) for row in claim["numbers"]
+    ]
     return {**claim, "numbers": rows, "trouble": trouble}
 
 
@@ -112,8 +113,10 @@ def judge(quick: bool = False, out: Path | None = None) -> dict[str, Any]:
         bar.set_postfix_str(claim["id"])
         found = _judged(claim, evidence)
         if claim["figure"] in ASSUMED:
-            rows = statements(_judged(claim, simple))
-            found["assumed"] = "; ".join(f"{r['name']}: {shown(r)} ({r['verdict']})" for r in rows)
+            found["assumed"] = "; ".join(
+                f"{row['name']}: {shown(row)} ({row['verdict']})"
+                for row in statements(_judged(claim, simple))
+            )
         judged.append(found)
     made = {
         **machine(),
@@ -142,9 +145,9 @@ def load(path: Path) -> dict[str, Any]:
         claims = [
             {**c, "numbers": [_restored(row) for row in c["numbers"]]} for c in report["claims"]
         ]
-        texts = [claim[key] for claim in claims for key in TEXTS]
-        whole = all(row.keys() >= OF_A_STATEMENT for c in claims for row in statements(c))
-        if not (texts and whole and all(isinstance(text, str) for text in texts)):
+        there = [isinstance(claim[key], str) for claim in claims for key in TEXTS]
+        there += [row.keys() >= OF_A_STATEMENT for c in claims for row in statements(c)]
+        if not (there and all(there)):
             raise TypeError("something is missing")
         return {**report, "claims": claims, "quick": report["provenance"]["quick"]}
     except (AttributeError, LookupError, TypeError) as error:
@@ -153,8 +156,7 @@ def load(path: Path) -> dict[str, Any]:
 
 def _restored(row: dict[str, Any]) -> dict[str, Any]:
     """A number with the nan and inf that JSON lacks."""
-    unknown = row.get("verdict", MISSING) == MISSING
-    value = math.nan if unknown else math.inf
+    value = math.nan if row.get("verdict", MISSING) == MISSING else math.inf
     known = {"value": value, "error": math.nan, "deviation": math.nan}
     restored = row | {key: lacking for key, lacking in known.items() if row.get(key) is None}
     if "holds" in row:

@@ -26,8 +26,8 @@ ONE_STATE_DEG = 12  # from this tilt on a row has one state (figure `states`)
 def read() -> list[dict[str, Any]]:
     """The claims, in the order of their numbers."""
     text = Path(__file__).with_name("claims.toml").read_text(encoding="utf-8")
-    empty = {"figure": "", "remark": "", "own_law": False}
-    return [{**empty, **claim} for claim in tomllib.loads(text)["claims"]]
+    claims = tomllib.loads(text)["claims"]
+    return [{"figure": "", "remark": "", "own_law": False, **claim} for claim in claims]
 
 
 def holds(value: float, limits: dict[str, Any]) -> bool | None:

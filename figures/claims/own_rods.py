@@ -47,8 +47,8 @@ def judged(scene: str, quick: bool = False) -> dict[str, Any]:
     ----------
     scene, quick : as of `estimate`
     """
-    row, nominal = row_of(scene), tilts(quick)
-    table = over_tilt.table(tilt_plan(quick, scene=scene), nominal, own=True)
+    row = row_of(scene)
+    table = over_tilt.table(tilt_plan(quick, scene=scene), tilts(quick), own=True)
     rows = [
         judged_number(resampled(table, over_tilt.NUMBERS[name]), limits)
         for name, limits in over_tilt.JUDGED.items()

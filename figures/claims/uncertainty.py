@@ -57,15 +57,13 @@ def entry(d: Mapping, name: str, at: Any) -> Number:
 
 
 class _Watched(dict):
-    """A dictionary that notes which of its entries are read."""
+    """The entries of another dictionary that have been read."""
 
     def __init__(self, given: Mapping):
-        super().__init__(given)
         self.given = given
-        self.seen: dict[str, np.ndarray] = {}
 
-    def __getitem__(self, name: str) -> np.ndarray:
-        return self.seen.setdefault(name, self.given[name])
+    def __missing__(self, name: str) -> np.ndarray:
+        return self.setdefault(name, self.given[name])
 
 
 def resampled(d: Mapping, function: Callable[[Mapping], float]) -> Number:
@@ -80,7 +78,7 @@ def resampled(d: Mapping, function: Callable[[Mapping], float]) -> Number:
     """
     random, watched, found = np.random.default_rng(1), _Watched(d), []
     value = function(watched)
-    names = [name for name in watched.seen if f"{name}_error" in d]
+    names = [name for name in watched if f"{name}_error" in d]
     for _ in range(200):
         moved = {name: random.normal(d[name], d[f"{name}_error"]) for name in names}
         found.append(function({**d, **moved}))
