@@ -370,6 +370,7 @@ def pool(tasks: list, workers: int, **how: Any) -> Iterator[Generator[Any, None,
     how |= {"batch_size": 1, "return_as": "generator_unordered"}
     # what joblib's process that cleans up would say after a signal, below our one line
     os.environ.setdefault("PYTHONWARNINGS", "ignore:resource_tracker")
+    warnings.filterwarnings("ignore", "A worker stopped")  # one that idled; another takes its place
     try:
         with deferred():  # half a pool would leave semaphores behind
             results = Parallel(workers, **how)(tasks)

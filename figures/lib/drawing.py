@@ -55,10 +55,10 @@ def produce(
     data = module.data(quick=quick, **own) if kept is None else kept_data(name, kept)
     try:
         picture = module.draw(data)
-    except LookupError as error:
+    except KeyError as error:
         if kept is None:
             raise
-        raise InputError(f"{kept / name}.npz holds no data of {name}: {error}") from None
+        raise InputError(f"{kept / name}.npz holds no data of {name}: {error} is missing") from None
     by = {"quick": quick, "own": own} if kept is None else made(kept / f"{name}.npz")
     marks = [by.get("quick") and "quick", by.get("own") and "values not the paper's"]
     if any(marks):

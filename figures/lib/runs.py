@@ -43,6 +43,7 @@ def both(**options: Any) -> dict[str, Any]:
 
 
 SIMPLE = both(restitution=RESTITUTION, tangential_ratio=3)  # one law for plate and rods
+# a 25th of a contact
 _STEP_AND_START = {"step.size": 2.4e-4, "step.coarse": True, "start.speed": 0.3}
 SIMPLE_ROW = put(read_tables("quasi2d"), _STEP_AND_START | SIMPLE)  # of prices
 LAW_OF = {  # plate, rods: of all simulated rows and annuli; chosen once among 320 laws
