@@ -70,8 +70,8 @@ def mutants(node):
             yield node, changed(node, op=SWAPS[type(node.op)]())
         case ast.Compare(ops=[one]) if type(one) in SWAPS:
             yield node, changed(node, ops=[SWAPS[type(one)]()])
-        case ast.Constant() if type(node.value) in (int, float) and node.value in NUMBERS:
-            yield node, ast.Constant(type(node.value)(NUMBERS[node.value]))
+        case ast.Constant(int() | float() as value) if value in NUMBERS:
+            yield node, ast.Constant(type(value)(NUMBERS[value]))
         case ast.UnaryOp(op=ast.Not()):
             yield node, node.operand
         case ast.Call(func=ast.Name(id=name)) if name in NAMES:
@@ -147,12 +147,7 @@ def idle(tree):
         path.write_text(f"{ast.unparse(ast.parse(path.read_text()))}\n_ = None\n")
 
 
-def drawn(place):
-    """Hash by which places are put in order and drawn."""
-    return hashlib.sha256(f"{SEED} {place.key}".encode()).digest()
-
-
-PLACES = sorted(places(), key=drawn)
+PLACES = sorted(places(), key=lambda place: hashlib.sha256(f"{SEED} {place.key}".encode()).digest())
 
 
 @pytest.fixture(scope="module")

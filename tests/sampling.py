@@ -62,9 +62,9 @@ def wide(n, seed):
     """Velocities and friction log-uniform over six decades, all signs."""
     rng = default_rng(seed)
     X, Z, k = geometries(rng, n)
-    sizes = 10 ** rng.uniform(-3, 3, (5, n))
-    c_x, c_z, spin, plate = sizes[:4] * rng.choice([-1, 1], (4, n))
-    return Impacts(c_x, c_z, spin / k, plate, X, Z, k, sizes[4], rng.uniform(0, 1, n))
+    *speeds, friction = 10 ** rng.uniform(-3, 3, (5, n))
+    c_x, c_z, spin, plate = speeds * rng.choice([-1, 1], (4, n))
+    return Impacts(c_x, c_z, spin / k, plate, X, Z, k, friction, rng.uniform(0, 1, n))
 
 
 def simple(n, seed):

@@ -51,9 +51,12 @@ def test_painleve_friction_is_where_an_impact_needs_no_approach(rods):
         for got, x, z, k in zip(friction, *(map(mpf, part) for part in rods), strict=True):
             assert got == np.inf if x * z == 0 else ulps(got, (k * k + x * x) / abs(x * z)) <= 3
     for factor, pressed in ((1.01, True), (0.99, False)):
-        slip = -np.sign(rods.X * rods.Z)
         hit = impact.collide(
-            slip, -1e-9, geometry=rods, friction=factor * friction, restitution=0.5
+            -np.sign(rods.X * rods.Z),
+            -1e-9,
+            geometry=rods,
+            friction=factor * friction,
+            restitution=0.5,
         )
         assert ((hit.P_z > 1e-5) == pressed)[friction < 1e3].all()
 
@@ -237,5 +240,4 @@ def test_mean_plate_velocity():
     upstroke = impact.mean_plate_velocity(lambda phase: (np.cos(phase) > 0).astype(float))
     assert upstroke == pytest.approx(2 / np.pi, abs=1e-6)
     slow = np.array([1e-6, 1e-8])
-    limit = 4 / 3 * np.sqrt(np.pi * slow)
-    assert_allclose(stationary.alpha_of_fall(slow), limit, rtol=1e-2)
+    assert_allclose(stationary.alpha_of_fall(slow), 4 / 3 * np.sqrt(np.pi * slow), rtol=1e-2)

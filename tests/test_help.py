@@ -121,8 +121,7 @@ def test_a_mistake_of_ours_keeps_its_traceback(failing, error):
 
 def test_help_is_cheap():
     """No command of these packages needs Numba, SciPy or Matplotlib to explain itself."""
-    code = "import sys, figures.__main__; print(*sys.modules)"
-    done = python("-c", code)
+    done = python("-c", "import sys, figures.__main__; print(*sys.modules)")
     assert done.returncode == 0
     assert not {"matplotlib", "md", "numba", "scipy", "sympy"} & {*done.stdout.split()}
 

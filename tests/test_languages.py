@@ -135,10 +135,16 @@ def impacts(n, seed):
     parts = zip(sampling.everyday(n // 2, seed), sampling.wide(n // 2, seed + 1), strict=True)
     i = sampling.Impacts(*map(np.concatenate, parts))
     rng = default_rng(seed)
-    edges = {"friction": (0, np.inf), "restitution": (0, 1), "c_x": (0,), "omega": (0,), "X": (0,)}
-    for name, values in edges.items():
-        for value in values:
-            getattr(i, name)[rng.uniform(size=n) < 0.03] = value
+    for name, value in (
+        ("friction", 0),
+        ("friction", np.inf),
+        ("restitution", 0),
+        ("restitution", 1),
+        ("c_x", 0),
+        ("omega", 0),
+        ("X", 0),
+    ):
+        getattr(i, name)[rng.uniform(size=n) < 0.03] = value
     slips = (i.c_x - i.omega * i.Z) * i.X * i.Z < 0
     assert np.mean((i.friction > impact.painleve_friction((i.X, i.Z, i.k))) & slips) > 0.1
     return i
@@ -237,7 +243,7 @@ def test_closed_forms_are_those_of_python(run, name):
 
 def test_the_example_of_the_header_prints_what_python_finds(header):
     text = (header / "rod_impact.h").read_text()
-    example = re.search(r"( {4}#include <stdio.h>\n.*?\n {4}}\n)", text, re.DOTALL)[1]
+    (example,) = re.findall(r"(?s) {4}#include <stdio.h>\n.*?\n {4}}\n", text)
     program = built(header, "example", textwrap.dedent(example), STRICT)
     printed = called(program, check=True).stdout
     rod = impact.spherocylinder(0.35, 8.0)
