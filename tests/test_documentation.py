@@ -181,15 +181,15 @@ def test_a_script_under_strict_mypy_has_numbers_and_arrays(tmp_path):
     assert told.returncode == 0, told.stdout
 
 
-WITH_EXAMPLES = [
-    name.removesuffix(".__init__")
-    for package in PACKAGES
-    for name, file in modules(package).items()
-    if ">>> " in file.read_text("utf-8")
-]
-
-
-@pytest.mark.parametrize("name", WITH_EXAMPLES)
+@pytest.mark.parametrize(
+    "name",
+    [
+        name.removesuffix(".__init__")
+        for package in PACKAGES
+        for name, file in modules(package).items()
+        if ">>> " in file.read_text("utf-8")
+    ],
+)
 def test_examples_run(name, here):
     """Examples in docstrings run as they stand, in an empty folder."""
     found = doctest.testmod(importlib.import_module(name))

@@ -112,16 +112,20 @@ def t7_painleve(theirs):
     adverse = -np.arctan(0.5)  # paradox from mu = 4/3 on
     steps = 10.0 ** np.arange(-16, 0)
     edge = impact.painleve_friction(impact.thin_rod(adverse))
-    frictions, approaches = [*edge * (1 - steps), *edge * (1 + steps)], [-1.0, -1e-3, -1e-8, -1e-15]
-    assert_accurate(
-        theirs, every(tilt=adverse, friction=frictions, c_z=approaches, restitution=0.6)
+    through = every(
+        tilt=adverse,
+        friction=[*edge * (1 - steps), *edge * (1 + steps)],
+        c_z=[-1.0, -1e-3, -1e-8, -1e-15],
+        restitution=0.6,
     )
+    assert_accurate(theirs, through)
 
 
 def t8_impact_without_collision(theirs):
     """Inside the Painleve region the impulse stays finite as v_0 -> 0-; at 0 there is none."""
-    approaches = [-1e-17, -1e-200, -5e-324, 0.0]
-    pressed = every(tilt=-np.arctan(0.5), friction=2.0, c_z=approaches, restitution=0.6)
+    pressed = every(
+        tilt=-np.arctan(0.5), friction=2.0, c_z=[-1e-17, -1e-200, -5e-324, 0.0], restitution=0.6
+    )
     assert_digits(theirs, pressed, "P_z", "normal_velocity")
     hit = pressed.collide(collide=theirs.collide)
     assert (hit.P_z > 0.1).tolist() == [True, True, True, False]

@@ -178,12 +178,12 @@ def test_the_situations_go_every_way():
     with mpmath.workdps(60):
         for at in trials.situations():
             (_, _, _, regime, *_), _, found = kernel.on_numbers(CODE, "poisson", at)
-            time = "early" if found["after_stop"]["v_1"] < 0 else "late"
-            lifted = "lifted" if found["responses"]["N"] < 0 else ""
-            ways.add((regime, time if regime > kernel.SLIDE else "", lifted, at[trials.SIDE]))
-    stops = product((kernel.STICK, kernel.BACK), ("early", "late"), [""], (1, -1))
-    assert ways >= {*stops, (0, "", "", 1), (kernel.SLIDE, "", "", -1)}
-    assert {(kernel.STICK, "early", "lifted", side) for side in (1, -1)} <= ways
+            early = regime > kernel.SLIDE and found["after_stop"]["v_1"] < 0
+            lifted = found["responses"]["N"] < 0
+            ways.add((regime, early, lifted, at[trials.SIDE]))
+    stops = product((kernel.STICK, kernel.BACK), (True, False), [False], (1, -1))
+    assert ways >= {*stops, (0, False, False, 1), (kernel.SLIDE, False, False, -1)}
+    assert ways >= {(kernel.STICK, True, True, side) for side in (1, -1)}
 
 
 def test_claimed_roundings_hold_where_levers_are_long():

@@ -239,7 +239,7 @@ def test_a_path_ends_where_the_impact_does_under_each_law(regime):
     """
     tilt, slip = drawings.IMPACTS[regime]
     plane, *_ = drawings.impulses(regime).axes
-    lines = {line.get_label(): np.transpose(line.get_data()) for line in plane.lines}
+    lines = {line.get_label(): line.get_xydata() for line in plane.lines}
     assert f"{tilt}°" in plane.get_title()
     assert [plane.get_xlabel()[:4], plane.get_ylabel()[:4]] == ["$P_x", "$P_z"]
     corner, ends = drawings.path(regime)
@@ -249,9 +249,15 @@ def test_a_path_ends_where_the_impact_does_under_each_law(regime):
         left = slide.slip_velocity(sp.Float(corner[1]))
         assert drawings._number(left, drawings._at(regime)) == pytest.approx(0)
         assert corner[1] < ends["poisson"][1] < ends["stronge"][1] < ends["newton"][1]
-    known = {"friction": drawings.FRICTION, "restitution": drawings.RESTITUTION}
     for law in drawings.MARKERS:
-        hit = collide(slip, -1.0, geometry=thin_rod(np.radians(tilt)), law=law, **known)
+        hit = collide(
+            slip,
+            -1.0,
+            geometry=thin_rod(np.radians(tilt)),
+            friction=drawings.FRICTION,
+            restitution=drawings.RESTITUTION,
+            law=law,
+        )
         (end,) = lines[f"end: {law.title()}"]
         assert tuple(end) == pytest.approx((hit.P_x, hit.P_z))
     for sign, slope in (("-", -1), ("", 1)):
