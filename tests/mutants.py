@@ -96,7 +96,6 @@ def _changes_of(form):
 def changes(form):
     """Changed forms, each with the change in words; those that did not change are left out."""
     if isinstance(form, Relational):
-        yield "left side times 8/7", form.func(form.lhs * FACTOR, form.rhs)
         yield "right side times 8/7", form.func(form.lhs, form.rhs * FACTOR)
         yield "turned", form.reversed.func(form.lhs, form.rhs)
         for what, side in _changes_of(form.lhs):

@@ -92,7 +92,7 @@ def body(node):
 
 def is_kernel(node):
     """Whether a decorator is `kernel`, `kernel(...)` or `module.kernel`."""
-    made = map(ast.unparse, node.decorator_list)
+    made = map(ast.unparse, getattr(node, "decorator_list", []))
     return any(re.fullmatch(r"(\w+\.)*kernel(\(.*\))?", decorator) for decorator in made)
 
 
@@ -101,8 +101,7 @@ def places():
     count = Counter()
     for path in sorted(p for package in PACKAGES for p in (ROOT / package).rglob("*.py")):
         module = ast.parse(path.read_text())
-        nodes = ast.walk(module) if path.name != "__main__.py" else ()
-        for function in (n for n in nodes if isinstance(n, ast.FunctionDef) and is_kernel(n)):
+        for function in filter(is_kernel, ast.walk(module)):
             here = path.relative_to(ROOT)
             name = f"{here.parts[0]}.{function.name}"
             count[name] += 1

@@ -232,8 +232,8 @@ def t18_rounding_at_the_edge_of_a_slide(theirs):
     restitution, friction = rng.uniform(0, 1, n), 10 ** rng.uniform(-2, 18, n)
     N, T = k**2 + X**2 + friction * X * Z, friction * (k**2 + Z**2) + X * Z
     c_x = (1 + restitution) * T / N * (1 + rng.integers(-4, 5, n) * EPS)  # u_* = 0 for c_z = -1
-    rest = {"geometry": ContactGeometry(X, Z, k), "friction": friction}
-    hit = theirs.collide(c_x, -1.0, restitution=restitution, **rest)
+    rods = ContactGeometry(X, Z, k)
+    hit = theirs.collide(c_x, -1.0, geometry=rods, friction=friction, restitution=restitution)
     slides = hit.regime == Regime.SLIDE
     assert 0.2 < slides.mean() < 0.8
     assert (hit.slip_velocity[slides] >= 0).all()
