@@ -176,7 +176,7 @@ def test_types_hold():
 def test_a_script_under_strict_mypy_has_numbers_and_arrays(tmp_path):
     """No field of a result that is read is Any; a misspelt name is still told."""
     (tmp_path / "script.py").write_text(TYPED)
-    exec(compile(TYPED.rpartition("\nimpact.")[0], "script", "exec"), {})
+    exec(TYPED.rpartition("\nimpact.")[0], {})
     told = python("-m mypy --strict --follow-imports=silent script.py", cwd=tmp_path)
     assert told.returncode == 0, told.stdout
 

@@ -107,14 +107,9 @@ def test_grazing():
     velocities there differ by the square root of the gap of some roundings.
     """
     gamma, touch = 3.0, 7.5  # where the rod is as fast as the plate, which falls away from it
-    height, climb = gamma * sin(touch), gamma * cos(touch)
-
-    def gap_before(phase):
-        t = phase - touch
-        return height + climb * t - t * t / 2 - gamma * sin(phase)
-
-    phase = brentq(gap_before, 4.9, 5.1, xtol=1e-15)
-    speed = climb - (phase - touch) - gamma * cos(phase)
+    before = brentq(lambda t: _plain_gap(0.0, touch, gamma, t)[0], -2.6, -2.4, xtol=1e-15)
+    phase = touch + before
+    _, speed = _plain_gap(0.0, touch, gamma, before)
     early, late = (
         landing(departure(speed * (1 + way * 16 * EPS), phase, gamma), phase, gamma)
         for way in (-1, 1)

@@ -60,7 +60,7 @@ def test_examples_are_commands(words):
     """Each example parses, and names scenes and figures that are there."""
     package, name, *arguments = words
     given = ALL[f"{package} {name}"].make_context(name, arguments).params
-    if (given.get("scene") or "mine.toml") != "mine.toml":
+    if given.get("scene") not in (None, "mine.toml"):
         assert md.load(given["scene"], given.get("changes", ()))
     assert set(given.get("names", ())) <= set(figures.FIGURES)
 

@@ -72,9 +72,9 @@ def test_needs_nothing_from_outside(source, page):
 
 
 @each_entry
-def test_every_entry_is_there_with_its_verdict_and_evidence(page, rows, entry):
+def test_every_entry_is_there_with_its_verdict_and_evidence(page, entry):
     text = page.text[report.anchor(entry.tag)]
-    (row,) = (row for row in rows if row.tag == entry.tag)
+    row = proved(registry.ENTRIES.index(entry))
     sign, _ = report.VERDICTS[entry.verdict]
     assert f"{sign} {entry.verdict}" in text
     assert all(plain(said) in text for said in (entry.what, told(entry), row.evidence))
@@ -339,8 +339,7 @@ def test_steps_lead_to_the_entry(page, lines):
     for tag, first in (("9", "8"), ("13", "12"), ("B1", "15"), ("B5", "B4"), ("19", "18")):
         assert lines[tag][-1].tags == (first,)  # what the other shows is cited
         assert not any(line.formulas for line in lines[tag])
-    cited = [line.tags for line in lines["24"]]
-    assert cited.count(("V: closure",)) == 1
+    assert [line.tags for line in lines["24"]].count(("V: closure",)) == 1
     assert not lines["IV: restitution"]
 
 
