@@ -13,22 +13,23 @@ def collide(
     c_x, c_z, omega=0.0, *, geometry, friction, restitution, plate_velocity=0.0, law="newton"
 ):
     """Newton's law only, whatever `law` says."""
-    X, Z, k = (np.asarray(length) for length in geometry)
+    X, Z, k = map(np.asarray, geometry)
     mu, e = np.asarray(friction), restitution
     slip, v_0 = c_x - omega * Z, c_z - plate_velocity + omega * X
     side, u_0 = np.sign(slip), np.abs(slip)
     XZ = side * X * Z
-    forward = k**2 + X**2 + mu * XZ
-    stop = mu * (k**2 + Z**2) + XZ
-    back = k**2 + X**2 - mu * XZ
-    whole = k**2 + X**2 + Z**2
+    across, along = k**2 + X**2, k**2 + Z**2
+    forward = across + mu * XZ
+    stop = mu * along + XZ
+    back = across - mu * XZ
+    whole = across + Z**2
     bracket = (1 + e) * v_0 + forward / stop * u_0
 
     slides = u_0 + stop / forward * v_0 * (1 + e) > 0
-    sticks = mu * (k**2 + Z**2) > XZ
+    sticks = mu * along > XZ
     slide_z = -v_0 * (1 + e) * k**2 / forward
     stop_z = u_0 * k**2 / stop
-    stick_z = stop_z - bracket * (k**2 + Z**2) / whole
+    stick_z = stop_z - bracket * along / whole
     stick_x = -mu * stop_z - bracket * XZ / whole
     back_z = stop_z - k**2 / back * bracket
     back_x = -mu * stop_z - mu * k**2 / back * bracket

@@ -52,8 +52,8 @@ def test_onset():
         alpha = bounce(SPHERE, gamma=1 + excess, **INELASTIC, landings=2).alpha.mean
         excess = (1 + excess) - 1  # as represented
         assert abs(alpha / (-3 * sqrt(2 * excess)) - 1) < 4 * excess + 1e-8
-    run = bounce(SPHERE, gamma=1 + 2**-52, **INELASTIC, landings=2)  # ends
-    assert np.isnan(run.alpha.error)  # one rod has none
+    # ends, and one rod has no error
+    assert np.isnan(bounce(SPHERE, gamma=1 + 2**-52, **INELASTIC, landings=2).alpha.error)
 
 
 # Hit again at once; rest (M12)

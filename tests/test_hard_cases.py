@@ -74,8 +74,10 @@ def t2_separating_pair(theirs):
 
 def t3_no_slip(theirs):
     """Friction still acts at u_0 = 0; the map is continuous there."""
-    slips = [0.0, -0.0, 1e-300, -1e-300, 1e-17, -1e-17]
-    assert_accurate(theirs, every(c_x=slips, friction=[0.2, 0.9], restitution=0.6))
+    resting = every(
+        c_x=[0.0, -0.0, 1e-300, -1e-300, 1e-17, -1e-17], friction=[0.2, 0.9], restitution=0.6
+    )
+    assert_accurate(theirs, resting)
 
 
 def t4_boundaries(theirs):
@@ -182,8 +184,10 @@ def t13_critical_tilts(theirs):
             exact = (mpmath.atan((3 + sign * root) / (2 * mpf(friction))) for sign in (-1, 1))
             for got, want in zip(theirs.critical_tilts(friction), exact, strict=True):
                 assert ulps(got, want) <= 2
-    beyond = theirs.critical_tilts(np.array([0.0, 0.75, np.nextafter(0.75, 1)]))
-    assert_array_equal(beyond, [[0.0, np.arctan(2), np.nan], [np.pi / 2, np.arctan(2), np.nan]])
+    assert_array_equal(
+        theirs.critical_tilts(np.array([0.0, 0.75, np.nextafter(0.75, 1)])),
+        [[0.0, np.arctan(2), np.nan], [np.pi / 2, np.arctan(2), np.nan]],
+    )
 
 
 def t14_long_levers(theirs):
@@ -219,8 +223,12 @@ def t17_friction_that_hardly_stops_the_slip(theirs):
     """T -> 0: the slip stops after an impulse that is a quotient of vanishing numbers."""
     edge = impact.critical_friction(impact.thin_rod(-0.6))
     for step in 10.0 ** np.arange(-15, -1):
-        approaches = [-1.0, -3.0, -0.3 / step, -0.5 / step]
-        late = every(tilt=-0.6, c_z=approaches, friction=edge * (1 + step), restitution=0.7)
+        late = every(
+            tilt=-0.6,
+            c_z=[-1.0, -3.0, -0.3 / step, -0.5 / step],
+            friction=edge * (1 + step),
+            restitution=0.7,
+        )
         assert_accurate(theirs, late)
 
 

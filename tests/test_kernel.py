@@ -48,7 +48,8 @@ def changed(node, names):
             if name in ("larger", "smaller", "select", "abs"):
                 yield from arguments  # a dropped clamp
             for i in range(name in COMMUTE, len(arguments) - 1):
-                turned = [*arguments[:i], arguments[i + 1], arguments[i], *arguments[i + 2 :]]
+                turned = arguments.copy()
+                turned[i : i + 2] = arguments[i + 1], arguments[i]
                 yield ast.Call(node.func, turned, [])
         case ast.Name(name, ast.Load()) if name in names:
             yield ast.Name(names[names.index(name) - 1], ast.Load())
@@ -81,13 +82,7 @@ def with_mistake(name, old, new):
     return ast.unparse(tree)
 
 
-NUMPY = {
-    "select": np.where,
-    "larger": np.maximum,
-    "smaller": np.minimum,
-    "copysign": np.copysign,
-    "sqrt": np.sqrt,
-}
+NUMPY = {x: getattr(_kernel, x) for x in ("select", "larger", "smaller", "copysign", "sqrt")}
 
 
 @cache

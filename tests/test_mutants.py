@@ -40,7 +40,7 @@ def test_no_deliberate_mistake_at_all_keeps_its_verdict():
 def negated(value):
     """The sign of what a step gives turned; of several, that of the last."""
     if isinstance(value, dict):
-        last = list(value)[-1]
+        *_, last = value
         return value | {last: -value[last]}
     return (*value[:-1], -value[-1]) if isinstance(value, tuple) else -value
 
