@@ -82,7 +82,7 @@ def with_mistake(name, old, new):
     return ast.unparse(tree)
 
 
-NUMPY = {x: getattr(_kernel, x) for x in ("select", "larger", "smaller", "copysign", "sqrt")}
+PRIMITIVES = {x: getattr(_kernel, x) for x in ("select", "larger", "smaller", "copysign", "sqrt")}
 
 
 @cache
@@ -95,7 +95,7 @@ def on_edges(n=20_000):
     lifts = -(k**2 + X**2) / (X * Z) * (1 + rng.integers(-3, 3, n) * 2.0**-53)
     mu = np.where((np.arange(n) % 2 == 0) & (lifts > 0), lifts, mu)
     mu[:100] = 2.0**500
-    N, T, *_ = kernel.loaded(CODE, NUMPY)["responses"](X, Z, k, mu)
+    N, T, *_ = kernel.loaded(CODE, PRIMITIVES)["responses"](X, Z, k, mu)
     close = 1 + rng.integers(-4, 5, n) * 2.0**-52
     v = -np.abs(u * N / T) / (1 + epsilon) * close
     mu[:100] = np.inf
@@ -104,7 +104,7 @@ def on_edges(n=20_000):
 
 def out_of_bounds(code):
     """What the code, in floating-point numbers, does that no impact does."""
-    space, given = kernel.loaded(code, NUMPY), on_edges()
+    space, given = kernel.loaded(code, PRIMITIVES), on_edges()
     for law in kernel.LAWS:
         with np.errstate(all="ignore"):
             after = space["impact"](space[law], given)
@@ -161,7 +161,7 @@ def test_friction_without_end_is_its_limit():
         given = u, v, 0.0, 0.0, X * size, Z * size, k * size, np.inf, epsilon
         found = []
         for one in ({}, {"HUGE_FRICTION": 2.0**480}):
-            space = kernel.loaded(CODE, NUMPY | one)
+            space = kernel.loaded(CODE, PRIMITIVES | one)
             after = np.broadcast_arrays(*space["impact"](space["newton"], given))
             found.append(np.delete(after, 5, 0))  # all but P_z, where it is none in the limit
         assert np.array_equal(*found)
