@@ -50,7 +50,7 @@ def critical_tilts(friction):
 
 
 def drift(geometry, *, friction, restitution):
-    """Eqs. (24) and (27) as printed, over the plate's velocity: the smaller one holds."""
+    """Eqs. (24) and (27) as printed, over the plate's velocity: for X Z > 0 the smaller holds."""
     X, Z, k = geometry
     pushed = np.minimum(2 * X * Z, friction * (k**2 + Z**2) + X * Z)
     return ((1 + restitution) * pushed / (k**2 * (1 - restitution) + 2 * X**2),)

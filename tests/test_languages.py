@@ -123,7 +123,7 @@ def javascript_runner():
 
 @pytest.fixture(scope="module", params=["c", "fusing c", "javascript"])
 def run(request):
-    """Call a function of one of the languages for many rows, as `run.many` are quick."""
+    """A call of a function in one of the languages, for many rows; so many of them are quick."""
     if request.param == "javascript":
         return javascript_runner(), 5_000
     flags = STRICT if request.param == "c" else FUSING

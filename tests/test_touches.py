@@ -11,10 +11,7 @@ from md.kernels import touches as columns
 from md.kernels.codes import C_X, C_Z, COSINE, OMEGA, ROW_VELOCITY, SINE, WATCH_TOUCHED, Z
 from md.measures import HOP, Tables, merged
 
-from .rows import HALF, HELD, PLANE, go, in_plane, recorded, ring, row, started
-
-LIVELY = "plate.acceleration=5"
-
+from .rows import DRIVEN, HALF, HELD, PLANE, go, in_plane, recorded, ring, row, started
 
 # Single touches
 
@@ -66,7 +63,7 @@ def test_touches_are_those_that_every_step_shows():
 @pytest.mark.parametrize("lean", [0, 1e-9, -1e-9, 0.1, -0.1])
 def test_a_touch_is_seen_in_the_plane_of_the_rod(lean):
     """Its x leads around the annulus, for an upright rod as for one that leans either way."""
-    engine, up = prepare(ring(LIVELY, "start.speed=0")), np.cos(lean)
+    engine, up = prepare(ring(DRIVEN, "start.speed=0")), np.cos(lean)
     engine.rods[:, 2] += 20  # all but one are out of the way
     engine.rods[0] = 1.9, 0, engine.plate_height + 2.1, 0, np.sin(lean), up, 0.1, 0.3, -1, 0, 0, 0
     while not engine.record.count[0]:
@@ -178,7 +175,7 @@ def test_touches_of_one_phase_are_counted_whatever_their_number():
 @pytest.fixture(scope="module", params=[row, ring])
 def made(request):
     rows = []
-    result = md.run(request.param(LIVELY), periods=30, observe=rows.append)
+    result = md.run(request.param(DRIVEN), periods=30, observe=rows.append)
     return rows, result
 
 
