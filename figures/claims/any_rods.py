@@ -7,8 +7,6 @@ theory of the same friction, restitution and speed of the plate. No set is chose
 which of them a statement holds.
 """
 
-from typing import Any
-
 import numpy as np
 from scipy.stats import qmc, spearmanr
 
@@ -16,10 +14,10 @@ from md.scene import put
 from md.search import Parameter
 from md.sweep import Sweep, point_at
 
-from ..lib.runs import PARTS, RESOLVED, SIMPLE_ROW, boxes, computed
+from ..lib.runs import PARTS, RESOLVED, SIMPLE_ROW, Sweeps, boxes, computed
 from ..lib.style import Data
 from . import over_tilt
-from .limits import holds
+from .limits import Record, holds
 
 TILTS_DEG = {False: (9, 15, 22, 28, 34, 45, 60), True: (9, 28, 45)}
 SETS, PERIODS = {False: 256, True: 4}, {False: 150, True: 40}
@@ -50,14 +48,14 @@ JUDGED = {  # statements that every set of properties has
 }
 
 
-def drawn(quick: bool = False) -> dict[str, np.ndarray]:
+def drawn(quick: bool = False) -> Data:
     """Properties of all sets: arrays by name, a value a set."""
     parts = qmc.Sobol(len(PROPERTIES), seed=1).random(SETS[quick])
     found = {n: p.value(x) for (n, p), x in zip(PROPERTIES.items(), parts.T, strict=True)}
     return found | {"number of rods": np.rint(found["number of rods"])}
 
 
-def sweeps(quick: bool = False) -> dict[str, Sweep]:
+def sweeps(quick: bool = False) -> Sweeps:
     """Sweep of rows: every set at every tilt."""
     sets, tilts, points = drawn(quick), TILTS_DEG[quick], []
     base = put(SIMPLE_ROW, RESOLVED)
@@ -93,9 +91,14 @@ def kept(d: Data) -> np.ndarray:
     return d["tilt_off"] <= KEPT_DEG
 
 
-def judged(d: Data) -> dict[str, np.ndarray]:
+def _numbers(d: Data) -> Data:
+    """Number of each statement under each set that keeps the tilt."""
+    return dict(zip(d["number"].tolist(), d["value"][kept(d)].T, strict=True))
+
+
+def judged(d: Data) -> Data:
     """Whether each statement holds, 1 or 0, under each set that keeps the tilt; nan: not known."""
-    values = dict(zip(d["number"].tolist(), d["value"][kept(d)].T, strict=True))
+    values = _numbers(d)
     return {
         name: np.array([holds(value, row) for value in values[name]], float)
         for name, row in JUDGED.items()
@@ -103,7 +106,7 @@ def judged(d: Data) -> dict[str, np.ndarray]:
     }
 
 
-def told(d: Data) -> dict[str, Any]:
+def told(d: Data) -> Record:
     """What the page of the claims says: sets, and where each statement holds.
 
     `ranges` of the properties. `share`: of the sets that keep the tilt, those under which it holds;
@@ -116,7 +119,7 @@ def told(d: Data) -> dict[str, Any]:
     some = kept(d)
     ratio, lean = d["c_x"][some] / d["theory"][some], d["nominal"] > 30
     sides = [ratio[:, of] for of in (~lean, lean)]
-    numbers = dict(zip(d["number"].tolist(), d["value"][some].T, strict=True))
+    numbers = _numbers(d)
     return {
         "sets": len(some),
         "kept": int(some.sum()),
@@ -140,9 +143,7 @@ def _quartiles(values: np.ndarray) -> list[float]:
     return np.percentile(known, [25, 50, 75]).tolist() if known.size else []
 
 
-def _follows(
-    d: Data, some: np.ndarray, value: np.ndarray, true: np.ndarray
-) -> dict[str, Any] | None:
+def _follows(d: Data, some: np.ndarray, value: np.ndarray, true: np.ndarray) -> Record | None:
     """`follows` of `told`, from the numbers of the sets that keep the tilt, and where it holds."""
     known = np.isfinite(value)
     if known.sum() < FEW or np.ptp(value[known]) == 0:

@@ -12,6 +12,7 @@ from .. import load
 from ..checks import landing_census
 from ..lib import runs
 from ..lib.data import figure_data
+from ..lib.style import Data
 from . import over_tilt
 from .uncertainty import Number, standard
 
@@ -44,9 +45,9 @@ class Evidence:
     quick: bool = False
     out: Path | None = None
     assumed: bool = False
-    _figures: dict[str, dict[str, np.ndarray]] = field(default_factory=dict)
+    _figures: dict[str, Data] = field(default_factory=dict)
 
-    def figure(self, name: str) -> dict[str, np.ndarray]:
+    def figure(self, name: str) -> Data:
         """Data of a figure by its name, read or computed once."""
         if name not in self._figures:
             if self.assumed:
@@ -57,7 +58,7 @@ class Evidence:
         return self._figures[name]
 
     @cached_property
-    def over_tilt(self) -> dict[str, np.ndarray]:
+    def over_tilt(self) -> Data:
         """Table of the paper's row over tilt, from `over_tilt.table`."""
         return Whole(over_tilt.table(runs.tilt_plan(self.quick), runs.tilts(self.quick)))
 

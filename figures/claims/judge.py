@@ -17,7 +17,7 @@ import md
 from impact._generated import DIGEST
 from md.cache import digest
 
-from .limits import CLOSE, FAILS, HOLDS, MISSING, VERDICTS, deviation, holds, read
+from .limits import CLOSE, FAILS, HOLDS, MISSING, VERDICTS, Record, deviation, holds, read
 from .uncertainty import MEASURES, Number, resampled
 
 MARKS = {HOLDS: "+", FAILS: "-", CLOSE: "~", MISSING: "?"}
@@ -52,7 +52,7 @@ def measure(claim: str, evidence: Any) -> dict[str, Number]:
     return found
 
 
-def close(number: Number, limits: dict[str, Any]) -> bool:
+def close(number: Number, limits: Record) -> bool:
     """Whether a limit is as near as two standard errors, or one error of another notion."""
     random = number.notion == "standard error"
     if random and math.isfinite(number.value) and math.isnan(number.error):
@@ -61,7 +61,7 @@ def close(number: Number, limits: dict[str, Any]) -> bool:
     return reach > 0 and any(abs(number.value - limit) <= reach for limit in limits["holds"])
 
 
-def verdict(number: Number, limits: dict[str, Any]) -> str:
+def verdict(number: Number, limits: Record) -> str:
     """Verdict on a statement."""
     true = holds(number.value, limits)
     if true is None:
@@ -69,7 +69,7 @@ def verdict(number: Number, limits: dict[str, Any]) -> str:
     return CLOSE if close(number, limits) else HOLDS if true else FAILS
 
 
-def judged_number(number: Number, limits: dict[str, Any]) -> dict[str, Any]:
+def judged_number(number: Number, limits: Record) -> Record:
     """A number with its limits and, if it has any, the verdict."""
     value = float(number.value)
     row = {**limits, "value": value, "error": float(number.error), "notion": number.notion}
@@ -79,7 +79,7 @@ def judged_number(number: Number, limits: dict[str, Any]) -> dict[str, Any]:
     return row
 
 
-def _judged(claim: dict[str, Any], evidence: Any) -> dict[str, Any]:
+def _judged(claim: Record, evidence: Any) -> Record:
     """The claim with its numbers and the verdicts on its statements."""
     trouble, measured = "", {}
     try:
@@ -92,7 +92,7 @@ def _judged(claim: dict[str, Any], evidence: Any) -> dict[str, Any]:
     return {**claim, "numbers": rows, "trouble": trouble}
 
 
-def judge(quick: bool = False, out: Path | None = None) -> dict[str, Any]:
+def judge(quick: bool = False, out: Path | None = None) -> Record:
     """Judge all claims: what was measured, the verdicts, and where they come from.
 
     Runs what it needs, for minutes, as far as the store and the figures in `out` do not hold it.
@@ -132,7 +132,7 @@ TEXTS = ("id", "says", "figure", "trouble")
 OF_A_STATEMENT = {"name", "value", "error", "verdict"}
 
 
-def load(path: Path) -> dict[str, Any]:
+def load(path: Path) -> Record:
     """Report from a JSON file; null as the value of a judged number was inf, else nan.
 
     Raises
@@ -154,7 +154,7 @@ def load(path: Path) -> dict[str, Any]:
         raise ValueError(f"no report of the claims: {error}") from None
 
 
-def _restored(row: dict[str, Any]) -> dict[str, Any]:
+def _restored(row: Record) -> Record:
     """A number with the nan and inf that JSON lacks."""
     value = math.nan if row.get("verdict", MISSING) == MISSING else math.inf
     known = {"value": value, "error": math.nan, "deviation": math.nan}
@@ -165,7 +165,7 @@ def _restored(row: dict[str, Any]) -> dict[str, Any]:
     return restored
 
 
-def shown(row: dict[str, Any]) -> str:
+def shown(row: Record) -> str:
     """A number with its error and unit: to two digits of the error, three of the number at most.
 
     An error that these digits do not show is left out.
@@ -192,12 +192,12 @@ def limits_shown(limits: list[float] | None) -> str:
     return f"{low:g}" if low == high else f"{low:g} to {high:g}"
 
 
-def statements(claim: dict[str, Any]) -> list[dict[str, Any]]:
+def statements(claim: Record) -> list[Record]:
     """The judged numbers of a claim."""
     return [row for row in claim["numbers"] if "holds" in row]
 
 
-def counted(report: dict[str, Any]) -> dict[str, dict[str, int]]:
+def counted(report: Record) -> dict[str, dict[str, int]]:
     """Statements with each verdict, by kind.
 
     Those that had a part in the choice of the figures' contact law are fitted, those of laws of
@@ -212,7 +212,7 @@ def counted(report: dict[str, Any]) -> dict[str, dict[str, int]]:
     return found
 
 
-def counts(report: dict[str, Any]) -> str:
+def counts(report: Record) -> str:
     """Number of statements with each verdict, kind by kind."""
     return "; ".join(
         f"of {sum(of.values())} statements {kind} "
@@ -221,19 +221,19 @@ def counts(report: dict[str, Any]) -> str:
     )
 
 
-def summary(claim: dict[str, Any]) -> str:
+def summary(claim: Record) -> str:
     """How many statements of a claim hold: "2 of 4 hold"."""
     rows = statements(claim)
     return f"{sum(row['verdict'] == HOLDS for row in rows)} of {len(rows)} hold"
 
 
-def regions(report: dict[str, Any]) -> dict[str, list[dict[str, Any]]]:
+def regions(report: Record) -> dict[str, list[Record]]:
     """Statements that hold for nearly all rods, for some, for hardly any.
 
     Each with its claim's `id` and what `any_rods` says of it. Without those of the claim by which
     rows were chosen.
     """
-    found: dict[str, list[dict[str, Any]]] = {"none": [], "some": [], "all": []}
+    found: dict[str, list[Record]] = {"none": [], "some": [], "all": []}
     for claim in report["claims"]:
         for row in statements(claim):
             of = report["any_rods"]["numbers"].get(f"{claim['id']}.{row['key']}")
@@ -245,12 +245,12 @@ def regions(report: dict[str, Any]) -> dict[str, list[dict[str, Any]]]:
     return found
 
 
-def numbers(report: dict[str, Any]) -> dict[str, dict[str, Any]]:
+def numbers(report: Record) -> dict[str, Record]:
     """All numbers of a report, by claim and key ("S16.peak")."""
     return {f"{c['id']}.{row['key']}": row for c in report["claims"] for row in c["numbers"]}
 
 
-def brief(report: dict[str, Any]) -> str:
+def brief(report: Record) -> str:
     """A line a claim: its statements with + holds, - does not, ~ too close, ? not measured."""
     lines = []
     for claim in report["claims"]:

@@ -12,7 +12,6 @@ from scipy.stats import norm
 
 from md import Annulus
 from md.placement import largest_tilt
-from md.sweep import Sweep
 
 from ..lib import runs
 from ..lib.arrangement import MORE_DEG
@@ -38,7 +37,7 @@ REGION_TILT_DEG = 25.0  # mean tilt at which the region of larger tilt holds hal
 REGION_DEG = 5.0  # contrast of tilts that makes a region
 
 
-def sweeps(quick: bool = False) -> dict[str, Sweep]:
+def sweeps(quick: bool = False) -> runs.Sweeps:
     """Sweeps of the claims that no figure shows: annuli and rows under the simple law."""
     return fig04.sweeps(quick, assumed=True)
 
@@ -146,7 +145,8 @@ def plane_to_annulus(d):
 def rolling(d):
     alike = np.isin(d["count"], d["rolling"])
     tilt = d["still_tilt"][alike]
-    between = (tilt > fig04.MAXIMA_DEG[0]) & (tilt < fig04.MAXIMA_DEG[1])
+    first, second = fig04.MAXIMA_DEG
+    between = (tilt > first) & (tilt < second)
 
     def kept(d):
         still, rolling = (

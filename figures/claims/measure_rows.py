@@ -11,12 +11,12 @@ from scipy.optimize import minimize_scalar
 import impact
 import md
 from impact import drift, flat_ended_rod, spherocylinder
-from md.sweep import Sweep
 
 from ..checks import appendix_a, closure
 from ..cost.accuracy_cost_impact import gear_from_leapfrog
 from ..lib import runs as rows
 from ..lib import soft_impacts as soft
+from ..lib.style import Data
 from ..paper import fig12, fig13
 from . import over_tilt
 from .evidence import Evidence, Whole
@@ -63,7 +63,7 @@ def forward(data):
     }
 
 
-def _cut(data: Evidence) -> dict[str, np.ndarray]:
+def _cut(data: Evidence) -> Data:
     """Drift [cm/s] of the row over friction, at the restitution of the other figures."""
     d = data.figure("phase_friction")
     at = rows.nearest(d["restitution"], rows.RESTITUTION)
@@ -97,7 +97,7 @@ def over_gamma(d):
 @measures("S11")
 def turned_round(data):
     sweep = fig13.sweeps(data.quick)["gamma"]
-    names = {side: f"landings.c_z_{side}.mean" for side in ("before", "after")}
+    names = {"before": "landings.c_z_before.mean", "after": "landings.c_z_after.mean"}
     far = sweep.values("plate.acceleration") >= 2  # near 1 no rod lands
     d = Whole({name: values[far] for name, values in rows.means(sweep, names).items()})
     return {"driven": resampled(d, lambda d: np.abs(1 + d["before"] / d["after"]).max())}
@@ -217,7 +217,7 @@ FREQUENCIES_HZ, FREQUENCY_TILTS_DEG = [50, 60, 75, 100], (10, 21, 40)
 SLIPPERY = [2e-3, 4e-3]  # frictions of the plate
 
 
-def sweeps(quick: bool = False) -> dict[str, Sweep]:
+def sweeps(quick: bool = False) -> rows.Sweeps:
     """Sweeps that no figure shows: over frequency and tilt; long runs on a slippery plate."""
     axes = [
         {"plate.frequency_hz": [50, 100] if quick else FREQUENCIES_HZ},
@@ -244,8 +244,7 @@ def relaxation(series: np.ndarray) -> tuple[float, float]:
         value = (shape @ series) / (shape @ shape)
         return ((series - value * shape) ** 2).sum(), value
 
-    bounds = 0.0, np.log(3 * len(series))
-    best = minimize_scalar(lambda x: fitted(x)[0], bounds=bounds, method="bounded").x
+    best = minimize_scalar(lambda x: fitted(x)[0], bounds=(0.0, np.log(3 * len(series)))).x
     return fitted(best)[1], np.exp(best)
 
 
@@ -266,7 +265,7 @@ def slow_start(scene: md.Scene, periods: int) -> dict[str, float]:
     }
 
 
-def _slippery(data: Evidence) -> dict[str, np.ndarray]:
+def _slippery(data: Evidence) -> Data:
     """Rows on a slippery plate, over friction; the largest drift over all frictions [cm/s]."""
     names = "stationary", "relaxation", "V_z", "often"
     found = Whole(rows.means(sweeps(data.quick)["slippery"], {name: name for name in names}))

@@ -22,10 +22,10 @@ def bounced(
         raise InputError("friction must be > 0, else rods keep their first velocity; got 0")
     from impact.bouncing import bounce  # compiles
 
-    def run(tilt: float, gamma: float) -> tuple:
-        return bounce(shape(tilt, length), gamma=gamma, **options)
-
-    return np.vectorize(run, otypes=[object])(tilt, gamma)
+    run = np.vectorize(
+        lambda tilt, gamma: bounce(shape(tilt, length), gamma=gamma, **options), otypes=[object]
+    )
+    return run(tilt, gamma)
 
 
 def estimates(runs: np.ndarray, field: str) -> np.ndarray:

@@ -168,6 +168,7 @@ def _own(scene: str, place: str) -> Row:
 
 
 Function = Callable[[Any, int], dict[str, Any]]  # of scene and periods, for a measure
+Sweeps = dict[str, Sweep]  # that a figure needs, by name
 STORE = Path("out/rows.db")  # of all runs; what `--store` of the commands sets
 
 
@@ -295,7 +296,7 @@ def tilt_plan(
     return planned([along, seeds or SEEDS], periods_of(quick), changes, row.tables)
 
 
-def tilt_sweeps(quick: bool = False) -> dict[str, Sweep]:
+def tilt_sweeps(quick: bool = False) -> Sweeps:
     """The paper's row over tilt, as `sweeps` of a figure."""
     return {"tilt": tilt_plan(quick)}
 

@@ -25,6 +25,7 @@ from ..lib.runs import (
     LAW_NAME,
     LENGTH,
     SETTING,
+    Sweeps,
     boxes,
     computed,
     drift_and_tilt,
@@ -69,7 +70,7 @@ def classify(mean: np.ndarray, error: np.ndarray) -> np.ndarray:
     return np.where(clear, np.sign(mean), 0).astype(int)
 
 
-def sweeps(quick: bool = False) -> dict[str, Sweep]:
+def sweeps(quick: bool = False) -> Sweeps:
     """Sweeps of rows over Gamma and tilt, of annuli over Gamma and the number of rods."""
     gamma, (of_rows, of_annuli) = {"plate.acceleration": [*MAP_GAMMAS[quick]]}, MAP_PERIODS[quick]
     rows = [gamma, {"box.length": boxes(NOMINAL_DEG[quick])}, starts(3)]
@@ -78,21 +79,6 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
         "grid": planned(rows, of_rows, {"rods.inertia": "solid"}),
         "annulus": planned(annuli, of_annuli, base=ANNULUS),
     }
-
-
-def _lone(gamma: np.ndarray, tilt: np.ndarray, quick: bool) -> np.ndarray:
-    """Runs of one rigid rod, (gamma, tilt)."""
-    rods, landings, transient = (20, 60, 100) if quick else (60, 300, 150)
-    return bounced(
-        tilt,
-        gamma[:, None],
-        LENGTH,
-        landings=landings,
-        rods=rods,
-        transient=transient,
-        shortest_flight=0.01,
-        **SETTING,
-    )
 
 
 def data(quick: bool = False) -> Data:
@@ -110,9 +96,19 @@ def data(quick: bool = False) -> Data:
     for name, prefix in (("grid", ""), ("annulus", "ring_")):
         found |= drift_and_tilt(plan[name], prefix) | means(plan[name], {f"{prefix}V_z": AT_TOUCH})
         found[f"{prefix}kind"] = classify(found[f"{prefix}c_x"], found[f"{prefix}c_x_error"])
-    lone = _lone(fine_gamma, np.radians(fine_deg), quick)
+    rods, landings, transient = (20, 60, 100) if quick else (60, 300, 150)
+    lone = bounced(
+        np.radians(fine_deg),
+        fine_gamma[:, None],
+        LENGTH,
+        landings=landings,
+        rods=rods,
+        transient=transient,
+        shortest_flight=0.01,
+        **SETTING,
+    )
     speed = plate_speed_cm_s(fine_gamma)
-    rods = spherocylinder(np.radians(nominal[chosen]), LENGTH)
+    tilted = spherocylinder(np.radians(nominal[chosen]), LENGTH)
     return {
         "gamma": np.array(MAP_GAMMAS[quick]),
         "nominal_deg": nominal,
@@ -123,7 +119,7 @@ def data(quick: bool = False) -> Data:
         "fine_deg": fine_deg,
         "lone_c_x": speed[:, None] * estimates(lone, "drift")[0],
         "lone_alpha": estimates(lone, "alpha_impulse")[0],
-        "closure": drift(rods, **SETTING).c_x[:, None] * speed / 2,
+        "closure": drift(tilted, **SETTING).c_x[:, None] * speed / 2,
     }
 
 

@@ -28,6 +28,7 @@ from ..lib.runs import (
     ROW,
     SIMPLE_ANNULUS,
     SIMPLE_ROW,
+    Sweeps,
     annulus_of,
     boxes,
     drift_and_tilt,
@@ -85,9 +86,7 @@ def over_count(
     return planned(axes, periods, changes, base, measure=followed)
 
 
-def sweeps(
-    quick: bool = False, assumed: bool = False, scene: str | None = None
-) -> dict[str, Sweep]:
+def sweeps(quick: bool = False, assumed: bool = False, scene: str | None = None) -> Sweeps:
     """Sweeps of annuli over the number of rods, Gamma and the frictions; of rows over tilt.
 
     Parameters

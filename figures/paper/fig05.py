@@ -13,10 +13,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import LineCollection
 
-from md.sweep import Sweep
-
 from ..lib.arrangement import EVERY, MEASURED, MORE_DEG, in_order, tilts_deg
-from ..lib.runs import annulus_of, gathered, over_seeds, with_error
+from ..lib.runs import Sweeps, annulus_of, gathered, over_seeds, with_error
 from ..lib.style import (
     ANOTHER,
     BLACK,
@@ -34,7 +32,7 @@ from . import fig04
 SHOWN_COUNTS = (56, 44)  # numbers of rods of (a) and (b)
 
 
-def sweeps(quick: bool = False) -> dict[str, Sweep]:
+def sweeps(quick: bool = False) -> Sweeps:
     """Arrangements over the number of rods: runs of Fig. 4(a)."""
     return {"annulus": fig04.sweeps(quick)["still"]}
 

@@ -14,7 +14,6 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from impact import drift, spherocylinder, thin_rod
-from md.sweep import Sweep
 
 from ..lib.runs import (
     BOX,
@@ -28,6 +27,7 @@ from ..lib.runs import (
     RESTITUTION,
     SECOND,
     SETTING,
+    Sweeps,
     means,
     paper_rod,
     periods_of,
@@ -59,7 +59,7 @@ GAMMAS = [1.02, 1.05, 1.1, 1.15, 1.2, 1.3, 1.4, 1.6, 1.8, 2, 2.5, 3, 3.3, 4, 5]
 ROD_LENGTHS = [1, 1.1, 1.25, 1.5, 1.75, 2, 2.5, 3, 4, 5, 6.5, 8, 9.5, 12]
 
 
-def sweeps(quick: bool = False) -> dict[str, Sweep]:
+def sweeps(quick: bool = False) -> Sweeps:
     """Sweeps over tilt, Gamma, length; over length from rest; over tilt by a second law."""
     gamma = [1.05, 1.2, 1.4, 1.6, 2, 3, 4] if quick else GAMMAS
     length = [1.25, 1.5, 2, 3, 9.5] if quick else ROD_LENGTHS
@@ -122,12 +122,12 @@ def data(
     }
 
 
-def _simulated(runs: dict[str, Sweep]) -> Data:
+def _simulated(runs: Sweeps) -> Data:
     """Drift [cm/s], tilt [deg] and V_z/V_0 of the rows, with their errors, by sweep."""
     found = {"jammed_length": runs["jammed"].values("rods.length")}
-    stored = {"c_x": "c_x_cm_s", "tilt": "tilt_deg", "V_z": AT_TOUCH}
     for name, sweep in runs.items():
-        found |= means(sweep, {f"{name}_{one}": result for one, result in stored.items()})
+        stored = {f"{name}_c_x": "c_x_cm_s", f"{name}_tilt": "tilt_deg", f"{name}_V_z": AT_TOUCH}
+        found |= means(sweep, stored)
     return found
 
 
@@ -151,16 +151,17 @@ def _over_tilt(ax, d):
 
 
 def _over_gamma(ax, d):
-    ax.plot(d["gamma"], d["thin_at_box"] * d["speed_b"] / 2, color=THEORY)
-    ax.plot(d["gamma"], d["thick_at_box"] * d["speed_b"] / 2, "--", color=ORANGE)
+    gamma, speed = d["gamma"], d["speed_b"]
+    ax.plot(gamma, d["thin_at_box"] * speed / 2, color=THEORY)
+    ax.plot(gamma, d["thick_at_box"] * speed / 2, "--", color=ORANGE)
     ax.set(xlabel=r"acceleration $\Gamma$", xlim=(1, None))
     if "gamma_c_x" not in d:
         return
     curve(ax, d, "gamma", "gamma_c_x", form="o")
     rising = np.where(d["gamma_V_z"] > 0, d["gamma_V_z"], np.nan)  # else the closure has no impact
-    ax.plot(d["gamma"], d["thick_at_box"] * rising * d["speed_b"], **MEASURED)
+    ax.plot(gamma, d["thick_at_box"] * rising * speed, **MEASURED)
     fit = fits(d)
-    x = np.array([fit["line_start"], d["gamma"][-1]])
+    x = np.array([fit["line_start"], gamma[-1]])
     ax.plot(x, fit["line_slope"] * (x - fit["line_from"]), color="0.5", label="fit from 2 on")
     ax.legend(loc="upper right")
     ax.set_ylim(-0.5, 2.2 * d["gamma_c_x"].max())
