@@ -14,7 +14,7 @@ from md.scene import put
 from md.search import Parameter
 from md.sweep import Sweep, point_at
 
-from ..lib.runs import PARTS, RESOLVED, SIMPLE_ROW, Sweeps, boxes, computed
+from ..lib.runs import PARTS, RESOLVED, SIMPLE_ROW, Sweeps, boxes, computed, starts
 from ..lib.style import Data
 from . import over_tilt
 from .limits import Record, holds
@@ -64,7 +64,7 @@ def sweeps(quick: bool = False) -> Sweeps:
         changes["rods.count"] = count = int(changes["rods.count"])
         for box in boxes(tilts, count):
             points.append(point_at(base, changes | {"box.length": box}, {"set": i}, PERIODS[quick]))
-    axes = {"set": [*range(SETS[quick])]}, {"tilt": [*tilts]}, {"start.seed": [1]}
+    axes = {"set": [*range(SETS[quick])]}, {"tilt": [*tilts]}, starts(1)
     return {"sets": Sweep(axes, tuple(points))}
 
 
@@ -128,7 +128,7 @@ def told(d: Data) -> Record:
             name: {
                 "share": np.nanmean(true) if np.isfinite(true).any() else None,
                 "quartiles": _quartiles(numbers[name]),
-                "follows": _follows(d, some, numbers[name], true == 1),
+                "follows": _follows(d, numbers[name], true == 1),
             }
             for name, true in judged(d).items()
         },
@@ -143,9 +143,9 @@ def _quartiles(values: np.ndarray) -> list[float]:
     return np.percentile(known, [25, 50, 75]).tolist() if known.size else []
 
 
-def _follows(d: Data, some: np.ndarray, value: np.ndarray, true: np.ndarray) -> Record | None:
+def _follows(d: Data, value: np.ndarray, true: np.ndarray) -> Record | None:
     """`follows` of `told`, from the numbers of the sets that keep the tilt, and where it holds."""
-    known = np.isfinite(value)
+    known, some = np.isfinite(value), kept(d)
     if known.sum() < FEW or np.ptp(value[known]) == 0:
         return None
     rank = {n: spearmanr(d[n][some][known], value[known]).statistic for n in PROPERTIES}

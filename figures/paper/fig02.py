@@ -135,7 +135,7 @@ def _map(ax, d, tilt: str, kind: str):
     ax.set(ylabel=r"tilt $\phi$ (deg)", ylim=(0, 66), xlim=(0.95, 4.1))
 
 
-def _near_onset(ax, d, prefix: str, looks: dict[int, tuple[str, str]]):
+def _near_onset(ax, d, prefix: str, looks: dict):
     """Draw drifts below the onset, linear and logarithmic; `looks`: colour and name by column."""
     early = d["gamma"] <= ONSET
     d = {**d, "gamma": d["gamma"][early]}

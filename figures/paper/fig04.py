@@ -78,7 +78,7 @@ def over_count(
     counts: Sequence[int],
     seeds: int,
     periods: int,
-    base: Mapping[str, Any] = ANNULUS,
+    base: Mapping[str, Any],
     changes: Mapping[str, Any] | None = None,
 ) -> Sweep:
     """Sweep of annuli over the number of rods, which sets the tilt, and starts."""
@@ -127,7 +127,7 @@ def sweeps(quick: bool = False, assumed: bool = False, scene: str | None = None)
         "plate": around({PLATE_KEY: size["plate"]}, **many),
     }
     if scene is None:
-        found["narrow"] = over_count(size["narrow"], FEW, periods, changes=NARROW)
+        found["narrow"] = over_count(size["narrow"], FEW, periods, base, NARROW)
     else:
         del found["plane"]
     return found

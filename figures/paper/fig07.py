@@ -44,14 +44,14 @@ sweeps = tilt_sweeps
 def data(quick: bool = False, scene: str | None = None) -> Data:
     """Heights [cm] over time [periods]; flights [periods] over tilt."""
     row, heights = row_of(scene), []
-    count, d_cm = row.scene.rods.count, row.scene.rods.diameter_cm
-    drawn = [int(part * count) for part in RODS_DRAWN]
-    for length in boxes(TIP_TILTS_DEG, count):
+    rods = row.scene.rods
+    drawn = [int(part * rods.count) for part in RODS_DRAWN]
+    for length in boxes(TIP_TILTS_DEG, rods.count):
         tilted = from_tables(put(row.tables, {"box.length": length, "start.seed": 1}))
         film = movie.record(tilted, TRANSIENT + SHOWN_PERIODS, FRAMES)
         late = film.time >= TRANSIENT
-        heights.append(d_cm * film.tips[late][:, drawn])
-        time, plate = film.time[late] - TRANSIENT, d_cm * film.plate[late]
+        heights.append(rods.diameter_cm * film.tips[late][:, drawn])
+        time, plate = film.time[late] - TRANSIENT, rods.diameter_cm * film.plate[late]
     lone_deg, bounces = lone(quick, scene)
     return {
         "time": time,

@@ -80,7 +80,8 @@ def data(
     bounce = drift(rod, friction=1.0, restitution=restitutions[:, None]).c_z
     consistent, least = function("V: alpha and closure")(bounce)
     slow = np.linspace(0.01, 1, 2001)
-    slower = np.interp(bounce, slow / alpha_of_fall(slow), alpha_of_fall(slow))
+    alpha = alpha_of_fall(slow)
+    slower = np.interp(bounce, slow / alpha, alpha)
     usual = 0.65 if restitution is None else restitution
     setting = {"friction": np.append(frictions, np.inf)[:, None], "restitution": usual}
     steady = drift(rod, **setting)
