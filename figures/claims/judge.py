@@ -187,8 +187,10 @@ def limits_shown(limits: list[float] | None) -> str:
     if limits is None:
         return ""
     low, high = limits
-    if math.isinf(low) or math.isinf(high):
-        return f"≤ {high:g}" if math.isinf(low) else f"≥ {low:g}"
+    if math.isinf(low):
+        return f"≤ {high:g}"
+    if math.isinf(high):
+        return f"≥ {low:g}"
     return f"{low:g}" if low == high else f"{low:g} to {high:g}"
 
 

@@ -44,14 +44,14 @@ LEFT_OF_LANDINGS = "V_z", "turned", "spin"  # of these as well
 
 @measures("S1", "appendix_a")
 def restitution(d):
-    e, step = d["restitution"][0, 0, 0], d["step_error"]
+    e = d["restitution"][0, 0, 0]
     found = {
         "mean": e.mean(),
         "spread": np.ptp(e),
         "head_on": e[0],
         "nearest": appendix_a.miss(d["restitution"]).min(),
     }
-    return {key: Number(value, step, "halved step") for key, value in found.items()}
+    return {key: Number(value, d["step_error"], "halved step") for key, value in found.items()}
 
 
 @measures("S3")
@@ -118,7 +118,6 @@ def soft_impact(d):
 @measures("S16")
 def theory(data):
     d, of, size = (data.figure(name) for name in ("fig13", "closure", "row_size"))
-    line = d["thin"] * d["speed"] / 2
     steps, usual = list(closure.STEPS), rows.nearest(size["count"], rows.COUNT)
     return {
         **{f"left_{name}": entry(of, "left", steps.index(name)) for name in LEFT},
@@ -128,7 +127,7 @@ def theory(data):
         },
         "size": resampled(size, lambda d: (d["c_x"][usual] / d["c_x"][-1]).mean()),
         "peak_tilt": peak(d, "tilt_tilt", "tilt_c_x"),
-        "peak_theory": Number(np.degrees(d["fine"])[line.argmax()]),
+        "peak_theory": Number(np.degrees(d["fine"])[d["thin"].argmax()]),
     }
 
 

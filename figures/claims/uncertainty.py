@@ -89,8 +89,9 @@ def onset(x: np.ndarray, begun: np.ndarray) -> Number:
     """Place on a grid of Gamma from which on `begun` is true; below Gamma = 1 nothing moves."""
     if not begun[-1]:
         return Number(np.inf, notion="half interval")
-    j, x = np.max(np.flatnonzero(~begun), initial=-1) + 1, np.append(1.0, x)
-    return Number((x[j] + x[j + 1]) / 2, (x[j + 1] - x[j]) / 2, "half interval")
+    j = np.max(np.flatnonzero(~begun), initial=-1) + 1
+    low, high = np.append(1.0, x)[j : j + 2]
+    return Number((low + high) / 2, (high - low) / 2, "half interval")
 
 
 def crossing(x: np.ndarray, y: np.ndarray, level: float) -> float:

@@ -66,7 +66,7 @@ AT_TOUCH = "touches.plate_velocity_by_speed.mean"
 
 def classify(mean: np.ndarray, error: np.ndarray) -> np.ndarray:
     """Direction of drifts [cm/s] with standard errors: 1 forward, -1 reverse, 0 none."""
-    clear = (np.abs(mean) > CLEAR * error) & (np.abs(mean) > FLOOR_CM_S)
+    clear = np.abs(mean) > np.maximum(CLEAR * error, FLOOR_CM_S)
     return np.where(clear, np.sign(mean), 0).astype(int)
 
 

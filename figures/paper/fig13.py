@@ -92,7 +92,12 @@ def data(
     papers = (setting, length) == (SETTING, LENGTH)
     words = rf"$\epsilon={restitution:g}$, $\mu={friction:g}$, (a, b) $l={length:g}\,d$"
     runs = sweeps(quick)
-    of_rods = _simulated(runs) if papers else {}
+    of_rods = {}  # drift [cm/s], tilt [deg] and V_z/V_0 of the rows, by sweep
+    if papers:
+        of_rods["jammed_length"] = runs["jammed"].values("rods.length")
+        for name, sweep in runs.items():
+            names = {f"{name}_c_x": "c_x_cm_s", f"{name}_tilt": "tilt_deg", f"{name}_V_z": AT_TOUCH}
+            of_rods |= means(sweep, names)
     tilt_deg, gamma = tilts(quick), runs["gamma"].values("plate.acceleration")
     lengths = runs["length"].values("rods.length")
     fine, fine_length = np.radians(np.linspace(0.5, 89.5, 357)), np.linspace(1, lengths[-1], 200)
@@ -120,15 +125,6 @@ def data(
         "thick_of_length": c_x(spherocylinder(fixed_tilt, fine_length)),
         "thick_at_lengths": c_x(spherocylinder(fixed_tilt, lengths)),
     }
-
-
-def _simulated(runs: Sweeps) -> Data:
-    """Drift [cm/s], tilt [deg] and V_z/V_0 of the rows, with their errors, by sweep."""
-    found = {"jammed_length": runs["jammed"].values("rods.length")}
-    for name, sweep in runs.items():
-        stored = {f"{name}_c_x": "c_x_cm_s", f"{name}_tilt": "tilt_deg", f"{name}_V_z": AT_TOUCH}
-        found |= means(sweep, stored)
-    return found
 
 
 MEASURED: Look = {"color": RIGID, "marker": "s", "ms": 2.5, "lw": 0.8}  # theory, V_z as measured
