@@ -296,8 +296,9 @@ def frequency(data):
 def without_friction(data):
     d, least = _slippery(data), SLIPPERY[0]
     rod = spherocylinder(rows.BOX_TILT, rows.LENGTH)
-    frictions = np.array([1e-9, least, np.inf])
-    low, middle, high = drift(rod, friction=frictions, restitution=rows.RESTITUTION).c_x
+    low, middle, high = drift(
+        rod, friction=np.array([1e-9, least, np.inf]), restitution=rows.RESTITUTION
+    ).c_x
     speed, needed = rows.plate_speed_cm_s(), rod.X * rod.Z / (2 * least * rod.k**2)
     landings = impact.relaxation(rod, friction=least, restitution=rows.RESTITUTION)
     return {

@@ -123,8 +123,7 @@ def _off_theory(d: Table) -> float:
 @measures("S14", "fig08")
 def phases(d: Table) -> Numbers:
     """Share of the touches that would have to move to give the paper's density of phases."""
-    H = landing_density(d["phase"])
-    return {"distance": lambda d: np.pi * np.abs(d["density"] - H).mean()}
+    return {"distance": lambda d: np.pi * np.abs(d["density"] - landing_density(d["phase"])).mean()}
 
 
 _falling_small = _mean("falling", below=SMALL_DEG)

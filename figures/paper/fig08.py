@@ -49,13 +49,12 @@ def data(quick: bool = False, scene: str | None = None) -> Data:
     sweep = tilt_plan(quick, scene=scene)
     (counts,) = gathered(sweep, "phases")  # (tilts, seeds, 64)
     shown = np.searchsorted(tilts(quick), SHOWN_DEG)
-    density = np.moveaxis(densities(counts[shown]), 1, -1)
     lone_deg, bounces = lone(quick, scene)
     return {
         "words": row_of(scene).words,
         "shown_deg": np.array(SHOWN_DEG),
         "phase": 2 * np.pi * (np.arange(BINS_DRAWN) + 0.5) / BINS_DRAWN,
-        **with_error("density", *over_seeds(density)),
+        **with_error("density", *over_seeds(np.moveaxis(densities(counts[shown]), 1, -1))),
         **with_error("falling", *over_seeds(falling(counts))),
         **means(sweep, {"tilt_deg": "tilt_deg", "landing_falling": "landings.falling.mean"}),
         "lone_deg": lone_deg,

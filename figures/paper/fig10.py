@@ -39,8 +39,8 @@ def data(quick: bool = False, friction: float | None = None, restitution: float 
     # both roots as one line, from (0, 0) over the end of slip reversal to (90 degrees, 0)
     rising = 0.75 * np.sin(line)
     lower, upper = critical_tilts(rising)
-    critical_tilt = np.concatenate([lower, upper[::-1]])
-    critical_friction = np.concatenate([rising, rising[::-1]])
+    critical_tilt = np.append(lower, upper[::-1])
+    critical_friction = np.append(rising, rising[::-1])
     stops = critical_friction >= slide_friction(thin_rod(critical_tilt), **setting)
     return {
         "approach_ratio": ratio.ravel(),

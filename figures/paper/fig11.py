@@ -33,10 +33,9 @@ def data(quick: bool = False, friction: float = 0.3, restitution: float = 0.65) 
     """True drift and both branches over the whole range of tilt [rad], in units of V_z."""
     critical = np.array(critical_tilts(friction))
     grid = np.linspace(0, np.pi / 2, 91 if quick else 1801)
-    tilt = np.sort(np.concatenate([grid, critical[np.isfinite(critical)]]))
+    tilt = np.sort(np.append(grid, critical[np.isfinite(critical)]))
     rod = thin_rod(tilt)
     moves = drift(rod, friction=friction, restitution=restitution)
-    sticking = drift(rod, friction=np.inf, restitution=restitution)
     # `drift` never leaves the branch that holds; this one is followed beyond its range.
     with np.errstate(all="ignore"):  # without losses, upright; beyond all friction
         reversing = function("29")(phi=tilt, mu=friction, epsilon=restitution, V_z=1.0)
@@ -47,7 +46,7 @@ def data(quick: bool = False, friction: float = 0.3, restitution: float = 0.65) 
         "c_x": moves.c_x,
         "c_z": moves.c_z,
         "regime": moves.regime,
-        "stick_c_x": sticking.c_x,
+        "stick_c_x": drift(rod, friction=np.inf, restitution=restitution).c_x,
         "reversal_c_x": reversing,
         "critical_tilt": critical,
     }

@@ -59,7 +59,7 @@ def data(
     """Velocities over |c_z| and restitution; MD arrays are of shape (3 laws, tilts)."""
     scene = {"friction": friction, "rod": replace(ROD, length=length)}
     laws = md.coulomb(restitution), md.constant_restitution(restitution), md.appendix_a()
-    tilt = np.radians(np.linspace(0, 89, 90) if not quick else np.arange(0, 90, 5))
+    tilt = np.radians(np.arange(0, 90, 5 if quick else 1))
     edges = np.radians(np.linspace(0, 90, 181 if quick else 1801))
     line = (edges[1:] + edges[:-1]) / 2
 

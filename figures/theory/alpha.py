@@ -68,11 +68,11 @@ def data(
         **setting,
     )
     tilts = np.radians(np.arange(0, 76, 5 if quick else 1))
-    onset = np.geomspace(1e-3, 0.1, 4 if quick else 8)
-    gammas = np.concatenate([1 + onset, np.arange(1.2, 5.01, 0.4 if quick else 0.1)])
-    few = np.radians(ALPHA_TILTS_DEG)
-    over_tilt, over_gamma = run(tilts, GAMMA), run(few[:, None], gammas)
-    fine = np.concatenate([1 + np.geomspace(1e-4, 0.1, 30), np.linspace(1.11, np.hypot(1, np.pi))])
+    gammas = np.append(
+        1 + np.geomspace(1e-3, 0.1, 4 if quick else 8), np.arange(1.2, 5.01, 0.4 if quick else 0.1)
+    )
+    few, over_tilt = np.radians(ALPHA_TILTS_DEG), run(tilts, GAMMA)
+    fine = np.append(1 + np.geomspace(1e-4, 0.1, 30), np.linspace(1.11, np.hypot(1, np.pi)))
     inelastic = bounced(0.0, fine, length, friction=friction, restitution=0.0, landings=1)
     flat = spherocylinder(np.pi / 2, length)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -87,7 +87,7 @@ def data(
         "length": length,
         "gammas": gammas,
         "gamma_tilt": few,
-        **_measured("gamma", over_gamma),
+        **_measured("gamma", run(few[:, None], gammas)),
         "inelastic_gamma": fine,
         "inelastic_alpha": estimates(inelastic, "alpha")[0],
     }

@@ -79,7 +79,7 @@ def data(
     """Drift in units of V_z, over tilt [rad] and over length; lengths in diameters."""
     n = 61 if quick else 601
     # The sign of a zero tilt says which edge of a flat end touches: both are there, in a row.
-    tilt = np.radians(np.concatenate([-np.linspace(20, 0, n // 3), np.linspace(0, 60, n)]))
+    tilt = np.radians(np.append(-np.linspace(20, 0, n // 3), np.linspace(0, 60, n)))
     fixed, lengths = np.radians(15), np.geomspace(1, 20, n)
 
     setting = {"friction": friction, "restitution": restitution}
@@ -149,8 +149,8 @@ def _over_tilt(ax, d):
 def _over_length(ax, d):
     limit = _limit(d)
     for kind, line in LINES.items():
-        y, label = d[f"{kind}_by_length"], SHAPES[kind]
-        ax.plot(d["lengths"], y, line, color=SHAPE_COLOURS[kind], label=label)
+        y = d[f"{kind}_by_length"]
+        ax.plot(d["lengths"], y, line, color=SHAPE_COLOURS[kind], label=SHAPES[kind])
     ax.plot(d["flat_length"], 0, "o", color=FLAT)
     words = rf"$l=d/\tan\phi={d['flat_length']:.2f}\,d$"
     ax.annotate(words, (d["flat_length"], 0), (6.2, -0.16 * limit), **TOLD)
