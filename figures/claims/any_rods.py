@@ -51,7 +51,7 @@ JUDGED = {  # statements that every set of properties has
 def drawn(quick: bool = False) -> Data:
     """Properties of all sets: arrays by name, a value a set."""
     parts = qmc.Sobol(len(PROPERTIES), seed=1).random(SETS[quick])
-    found = {n: p.value(x) for (n, p), x in zip(PROPERTIES.items(), parts.T, strict=True)}
+    found = {p.name: p.value(x) for p, x in zip(PROPERTIES.values(), parts.T, strict=True)}
     return found | {"number of rods": np.rint(found["number of rods"])}
 
 

@@ -140,7 +140,7 @@ def load(path: Path) -> Record:
     ValueError
         If the file is no JSON, or not of the claims.
     """
-    report = json.loads(path.read_text(encoding="utf-8"))
+    report = json.loads(path.read_text("utf-8"))
     try:
         claims = [
             {**c, "numbers": [_restored(row) for row in c["numbers"]]} for c in report["claims"]
@@ -257,5 +257,6 @@ def brief(report: Record) -> str:
     lines = []
     for claim in report["claims"]:
         cells = (f"{r['key']} {shown(r)} {MARKS[r['verdict']]}" for r in statements(claim))
-        lines.append(f"{claim['id']:4}{summary(claim):14}{', '.join(cells)} {claim['trouble']}")
-    return "\n".join([*(line.rstrip() for line in lines), *counts(report).split("; ")])
+        line = f"{claim['id']:4}{summary(claim):14}{', '.join(cells)} {claim['trouble']}"
+        lines.append(line.rstrip())
+    return "\n".join([*lines, *counts(report).split("; ")])

@@ -27,7 +27,7 @@ ONE_STATE_DEG = 12  # from this tilt on a row has one state (figure `states`)
 
 def read() -> list[Record]:
     """The claims, in the order of their numbers."""
-    text = Path(__file__).with_name("claims.toml").read_text(encoding="utf-8")
+    text = Path(__file__).with_name("claims.toml").read_text("utf-8")
     claims = tomllib.loads(text)["claims"]
     return [{"figure": "", "remark": "", "own_law": False, **claim} for claim in claims]
 

@@ -77,9 +77,9 @@ def critical_deg(d: Data) -> np.ndarray:
     return np.degrees(d["critical_tilt"][np.isfinite(d["critical_tilt"])])
 
 
-def _end(ax, d, upper: float):
+def _end(ax, d):
     """Inset: the contact sticks again beyond the upper critical tilt, half way to the end."""
-    tilt_deg = np.degrees(d["tilt"])
+    tilt_deg, upper = np.degrees(d["tilt"]), critical_deg(d)[-1]
     inset = ax.inset_axes((0.42, 0.42, 0.45, 0.5))
     _curves(inset, d)
     left, middle = 2 * upper - 90, (upper + 90) / 2
@@ -101,7 +101,7 @@ def draw(d: Data) -> plt.Figure:
     highest = min(np.nanmax([d["c_x"], d["c_z"]]), HIGHEST)
     ax.set(ylabel=r"velocity / $V_z$", ylim=(0, 1.35 * highest))
     if d["friction"] > 0 and critical_deg(d).size:
-        _end(ax, d, critical_deg(d)[-1])
+        _end(ax, d)
     legend_above(figure, ax, ncols=2)
     setting = rf"$\epsilon={d['restitution']:g}$, friction $\mu={d['friction']:g}$"
     undetermined = "; without friction no drift is determined" * bool(d["friction"] == 0)

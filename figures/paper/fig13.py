@@ -89,11 +89,11 @@ def data(
 ) -> Data:
     """Measured rows and the theory beside them; of one's own values the theory alone. cm/s."""
     setting = {"friction": friction, "restitution": restitution}
-    papers = (setting, length) == (SETTING, LENGTH)
-    words = rf"$\epsilon={restitution:g}$, $\mu={friction:g}$, (a, b) $l={length:g}\,d$"
+    words = rf"theory: $\epsilon={restitution:g}$, $\mu={friction:g}$, (a, b) $l={length:g}\,d$"
     runs = sweeps(quick)
     of_rods = {}  # drift [cm/s], tilt [deg] and V_z/V_0 of the rows, by sweep
-    if papers:
+    if (setting, length) == (SETTING, LENGTH):
+        words = f"row: {LAW_NAME}; {words}"
         of_rods["jammed_length"] = runs["jammed"].values("rods.length")
         for name, sweep in runs.items():
             names = {f"{name}_c_x": "c_x_cm_s", f"{name}_tilt": "tilt_deg", f"{name}_V_z": AT_TOUCH}
@@ -110,7 +110,7 @@ def data(
         "tilt_deg": tilt_deg,
         "gamma": gamma,
         "length": lengths,
-        "words": f"row: {LAW_NAME}; theory: {words}" if papers else f"theory: {words}",
+        "words": words,
         **of_rods,
         "speed": plate_speed_cm_s(),
         "speed_b": plate_speed_cm_s(gamma),

@@ -45,14 +45,14 @@ LINES = {"thin": "-.", "round": "-", "flat": "-"}
 
 def _bounced(quick: bool, length: float, setting: dict[str, float]) -> Data:
     """Drift of repeated impacts at held tilt, in V_0; mean over Gamma and standard error."""
-    gammas, found = np.linspace(2, 4, 5 if quick else 21), {}
+    gammas = np.linspace(2, 4, 5 if quick else 21)
     tilts = np.radians([1, 5, 8, 15, 28, 60] if quick else [*range(1, 12), *range(12, 61, 2)])
-    landings = 100 if quick else 500
+    found, landings = {"bounced_tilt": tilts}, 100 if quick else 500
     for name, shape in (("round", spherocylinder), ("flat", flat_ended_rod)):
         runs = bounced(tilts[:, None], gammas, length, shape, landings=landings, rods=4, **setting)
         drifts, _ = estimates(runs, "drift")
         found |= with_error(f"{name}_bounced", drifts.mean(axis=1), sem(drifts, axis=1))
-    return {"bounced_tilt": tilts, **found}
+    return found
 
 
 def _one_impact(quick: bool, length: float, friction: float, restitution: float) -> Data:
@@ -155,6 +155,8 @@ def _over_length(ax, d):
     words = rf"$l=d/\tan\phi={d['flat_length']:.2f}\,d$"
     ax.annotate(words, (d["flat_length"], 0), (6.2, -0.16 * limit), **TOLD)
     ax.axvline(3, color="0.5", lw=0.6, ls=":")
+    words = rf"$\epsilon={d['restitution']:g}$, $\mu={d['friction']:g}$"
+    ax.text(0.98, 0.97, words, transform=ax.transAxes, ha="right", va="top")
     ax.text(3.2, 0.86 * limit, "Fig. 13(c):\nsaturates", color="0.3", va="center")
     ax.set(xlabel="length $l/d$", xlim=(0, 20), xticks=(1, 3, 5, 10, 15, 20), ylim=(-limit, limit))
     ax.legend(loc="lower right")
@@ -191,6 +193,4 @@ def draw(d: Data) -> plt.Figure:
     figure = painted(d, panels, 2, figsize=(7.0, 5.6))
     for ax in figure.axes:
         zero_line(ax)
-    words, right = rf"$\epsilon={d['restitution']:g}$, $\mu={d['friction']:g}$", figure.axes[1]
-    right.text(0.98, 0.97, words, transform=right.transAxes, ha="right", va="top")
     return figure
