@@ -50,11 +50,11 @@ class Evidence:
     def figure(self, name: str) -> Data:
         """Data of a figure by its name, read or computed once."""
         if name not in self._figures:
-            if self.assumed:
-                d = load(name).data(self.quick, assumed=True)
-            else:
-                d = figure_data(name, self.quick, self.out)
-            self._figures[name] = Whole(d)
+            self._figures[name] = Whole(
+                load(name).data(self.quick, assumed=True)
+                if self.assumed
+                else figure_data(name, self.quick, self.out)
+            )
         return self._figures[name]
 
     @cached_property

@@ -118,14 +118,17 @@ def judge(quick: bool = False, out: Path | None = None) -> Record:
                 for row in statements(_judged(claim, simple))
             )
         judged.append(found)
-    made = {
-        **machine(),
-        "system": platform.system(),
-        "md": digest(),
-        "impact": DIGEST,
-        "quick": quick,
+    return {
+        "provenance": {
+            **machine(),
+            "system": platform.system(),
+            "md": digest(),
+            "impact": DIGEST,
+            "quick": quick,
+        },
+        "any_rods": any_rods.told(surveyed),
+        "claims": judged,
     }
-    return {"provenance": made, "any_rods": any_rods.told(surveyed), "claims": judged}
 
 
 TEXTS = ("id", "says", "figure", "trouble")
@@ -176,8 +179,9 @@ def shown(row: Record) -> str:
     if not error > 0:
         return f"{value:.{DIGITS}g}{unit}"
     largest = max(abs(value), error)
-    digits = min(1 - math.floor(math.log10(error)), DIGITS - 1 - math.floor(math.log10(largest)))
-    digits = max(digits, 0)
+    digits = max(
+        0, min(1 - math.floor(math.log10(error)), DIGITS - 1 - math.floor(math.log10(largest)))
+    )
     off = f" ± {error:.{digits}f}" if error >= 0.5 * 10**-digits else ""
     return f"{value:.{digits}f}{off}{unit}"
 
@@ -238,10 +242,10 @@ def regions(report: Record) -> dict[str, list[Record]]:
     found: dict[str, list[Record]] = {"none": [], "some": [], "all": []}
     for claim in report["claims"]:
         for row in statements(claim):
-            of = report["any_rods"]["numbers"].get(f"{claim['id']}.{row['key']}")
-            if of is None or of["share"] is None or claim["id"] == CHOOSES:
+            of = report["any_rods"]["numbers"].get(f"{claim['id']}.{row['key']}", {})
+            share = of.get("share")
+            if share is None or claim["id"] == CHOOSES:
                 continue
-            share = of["share"]
             group = "all" if share >= NEARLY else "none" if share <= 1 - NEARLY else "some"
             found[group].append({"id": claim["id"], **row, **of})
     return found

@@ -50,10 +50,11 @@ def _shape(d: dict, name: str, key: str) -> Number:
 
 @measures("S4", "fig04")
 def drift_over_tilt(d):
-    keys = "bend", "slope", "early", "late", "dip", "end"
     more = {"narrow": ("narrow", "end"), "rest_dip": ("rest", "dip"), "rest_late": ("rest", "late")}
     return {
-        **{key: _shape(d, "still", key) for key in keys},
+        **{
+            key: _shape(d, "still", key) for key in ("bend", "slope", "early", "late", "dip", "end")
+        },
         **{key: _shape(d, *of) for key, of in more.items() if f"{of[0]}_c_x" in d},
     }
 
@@ -222,12 +223,13 @@ def reverse_drift(d: dict, prefix: str = "") -> Numbers:
     follows : share of drifts up to Gamma = 1.6 with the sign of the plate's mean velocity
     """
     c_x, error, kind, V_z = (d[f"{prefix}{name}"] for name in ("c_x", "c_x_error", "kind", "V_z"))
-    early, back, forward = d["gamma"] <= fig02.ONSET, kind == -1, np.median(c_x[-1])
+    back, forward = kind == -1, np.median(c_x[-1])
     at = np.unravel_index(np.where(back, -c_x, -np.inf).argmax(), c_x.shape)
-    drifts, same = kind[early] != 0, (kind == np.sign(V_z))[early]
+    early = (d["gamma"] <= fig02.ONSET)[:, None] & (kind != 0)
+    same = (kind == np.sign(V_z))[early]
     return {
         "onset": onset(d["gamma"], (kind == 1).all(axis=1)),
         "back": count(back.sum()),
         "slower": standard(-c_x[at] / forward, error[at] / forward) if back.any() else count(0),
-        "follows": count(np.mean(same[drifts]) if drifts.any() else np.nan),
+        "follows": count(np.mean(same) if same.size else np.nan),
     }

@@ -314,10 +314,10 @@ def without_friction(data):
 
 @measures("E3", "tip_shape")
 def flat_end(d):
-    tilt, edge = d["tilt"], d["flat_threshold"]
+    tilt = d["tilt"]
     at, shapes = np.radians(28), (flat_ended_rod, spherocylinder)
     flat, whole = (drift(shape(at, d["length"]), **rows.SETTING).c_x for shape in shapes)
-    beyond, ahead = tilt > edge, tilt > 0
+    beyond, ahead = tilt > d["flat_threshold"], tilt > 0
     at_28 = rows.nearest(d["bounced_tilt"], at)
     bounced = np.degrees(d["bounced_tilt"])
     return {
@@ -325,7 +325,7 @@ def flat_end(d):
         "bounced_threshold": lambda d: crossing(bounced, -d["flat_bounced"], 0),
         "slower": Number(flat / whole),
         "always": Number((d["flat"][beyond] / d["round"][beyond]).max()),
-        "below": Number(d["flat"][ahead & (tilt < edge)].min()),
+        "below": Number(d["flat"][ahead & (tilt < d["flat_threshold"])].min()),
         "bounced": lambda d: d["flat_bounced"][at_28] / d["round_bounced"][at_28],
         "reverse": lambda d: d["flat_bounced"].min(),
     }

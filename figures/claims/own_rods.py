@@ -52,8 +52,11 @@ def judged(scene: str, quick: bool = False) -> Record:
         judged_number(resampled(table, over_tilt.NUMBERS[name]), limits)
         for name, limits in over_tilt.JUDGED.items()
     ]
-    made = {"scene": scene, "quick": quick, "md": digest()}
-    return {"provenance": made, "rods": row.words, "statements": rows}
+    return {
+        "provenance": {"scene": scene, "quick": quick, "md": digest()},
+        "rods": row.words,
+        "statements": rows,
+    }
 
 
 def brief(report: Record) -> str:

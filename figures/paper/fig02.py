@@ -150,9 +150,9 @@ def _near_onset(ax, d, prefix: str, looks: dict):
 
 def _rows(axes, d):
     a, b, c = axes
-    top = np.nanmax(np.abs(d["lone_c_x"]))
+    gamma, top = d["fine_gamma"], np.nanmax(np.abs(d["lone_c_x"]))
     mesh = a.pcolormesh(
-        d["fine_gamma"],
+        gamma,
         d["fine_deg"],
         d["lone_c_x"].T,
         cmap=DRIFTS,
@@ -164,14 +164,14 @@ def _rows(axes, d):
     ends = MaxNLocator(2).tick_values(-top / 4, 0), MaxNLocator(4).tick_values(0, top)
     bar.set_ticks([tick for tick in np.unique(np.concatenate(ends)) if -top / 4 <= tick <= top])
     alpha = np.nan_to_num(d["lone_alpha"].T, nan=-1.0)
-    a.contour(d["fine_gamma"], d["fine_deg"], alpha, [0.0], colors=BLACK, linestyles="--")
+    a.contour(gamma, d["fine_deg"], alpha, [0.0], colors=BLACK, linestyles="--")
     a.plot([], [], "--", color=BLACK, label="$V_z=0$, one rigid rod")
     _map(a, d, "nominal_deg", "kind")
     tilts = [rf"$\phi={tilt:.0f}$°" for tilt in d["nominal_deg"]]
     looks = [*zip(shades(len(tilts)), tilts, strict=True)]
     for i, line in zip(d["chosen"], d["closure"], strict=True):
         curve(b, d, "gamma", "c_x", *looks[i], at=(..., i))
-        b.plot(d["fine_gamma"], line, color=looks[i][0], lw=0.8, ls="--")
+        b.plot(gamma, line, color=looks[i][0], lw=0.8, ls="--")
     b.plot([], [], "--", color="0.4", lw=0.8, label="theory")
     top = max(np.nanmax(d["c_x"]), 1)
     b.set(xlim=(1, None), ylim=(-0.45 * top, 1.15 * top))
@@ -210,9 +210,8 @@ def draw(d: Data) -> plt.Figure:
     _rows(axes[0], d)
     _annuli(axes[1], d)
     clear = {axes[0, 1]: (0.25, 1), axes[1, 1]: (0, 0.74)}  # of the legends
-    words = "the paper's rods begin to move"
     for ax in axes.flat:
-        ax.axvline(ONSET, *clear.get(ax, (0, 1)), **DOTTED, label=words)
+        ax.axvline(ONSET, *clear.get(ax, (0, 1)), **DOTTED, label="the paper's rods begin to move")
         ax.set_xlabel(r"acceleration $\Gamma$")
     legend_above(figure, axes[0, 0], ncols=3)
     for ax in axes[:, 1:].flat:

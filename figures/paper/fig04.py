@@ -95,14 +95,13 @@ def sweeps(quick: bool = False, assumed: bool = False, scene: str | None = None)
     assumed : under the simple law, with few starts, and without what no claim needs
     scene : an annulus of one's own; then without rows and without the narrower gap
     """
-    size: dict[str, Any] = {name: both[quick] for name, both in SIZES.items()}
+    size = {name: both[quick] for name, both in SIZES.items()}
     of = annulus_of(scene)
-    for name in ("count", "rolling", "rest"):
-        size[name] = of.counts(size[name])
     base, row = put(of.tables, {"rods.rolling": False, "annulus.shaken": True}), ROW
     if assumed:
         base, row = SIMPLE_ANNULUS, SIMPLE_ROW
     few, periods = starts(FEW), size["periods"]
+    seeds = FEW if assumed else size["starts"]
     gamma, gamma_periods = {"plate.acceleration": size["gamma"]}, size["gamma_periods"]
     many = {"rods.count": of.counts([ANNULUS_COUNT])[0]}
 
@@ -113,8 +112,8 @@ def sweeps(quick: bool = False, assumed: bool = False, scene: str | None = None)
         f"rods.{name}": ANNULUS["rods"][name] for name in ("length", "inertia", "diameter_cm")
     }
     found = {
-        "still": over_count(size["count"], FEW if assumed else size["starts"], periods, base),
-        "rolling": around({"rods.count": size["rolling"]}, **{"rods.rolling": True}),
+        "still": over_count(of.counts(size["count"]), seeds, periods, base),
+        "rolling": around({"rods.count": of.counts(size["rolling"])}, **{"rods.rolling": True}),
         "gamma": around(gamma, {"rods.count": of.counts(GAMMA_COUNTS)}, periods=gamma_periods),
         "wall": around({WALL_KEY: size["wall"]}, **many),
         "plane": planned([{"box.length": boxes(size["plane"])}, few], periods, of_rods, row),
@@ -122,7 +121,7 @@ def sweeps(quick: bool = False, assumed: bool = False, scene: str | None = None)
     if assumed:
         return found
     found |= {
-        "rest": over_count(size["rest"], FEW, periods, base, AT_REST),
+        "rest": over_count(of.counts(size["rest"]), FEW, periods, base, AT_REST),
         "rest_gamma": around(gamma, periods=gamma_periods, **many, **AT_REST),
         "plate": around({PLATE_KEY: size["plate"]}, **many),
     }
@@ -196,10 +195,11 @@ def draw(d: Data) -> plt.Figure:
     _over_friction(c, d, "wall")
     _over_friction(e, d, "plate")
     c.set(xlabel=r"friction of the walls $\mu_{rw}$", ylim=(0, None))
-    smallest = d["plate"][d["plate"] > 0].min()
+    plate = d["plate"]
+    smallest = plate[plate > 0].min()
     e.set_xscale("symlog", linthresh=smallest, linscale=0.4)
     e.set_xlabel(r"friction of the plate $\mu_{rb}$ (0 at the left end)")
-    e.set_xlim(-smallest / 4, 1.2 * d["plate"].max())
+    e.set_xlim(-smallest / 4, 1.2 * plate.max())
     for ax in axes.flat:
         zero_line(ax)
         ax.set_ylabel(r"drift $c_x$ (cm/s)")

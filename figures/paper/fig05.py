@@ -67,8 +67,8 @@ def _from_above(ax, d, rods: np.ndarray, norm: plt.Normalize) -> LineCollection:
     for radius in d["radii"]:
         ax.add_patch(plt.Circle((0, 0), radius, fill=False, color="0.5", lw=0.7))
     up = np.sign(rods[:, 5:6]) * d["half"] * rods[:, 3:5]
-    ends = np.stack([rods[:, :2] - up, rods[:, :2] + up], axis=1)
-    tilt = tilts_deg(rods)
+    centre, tilt = rods[:, :2], tilts_deg(rods)
+    ends = np.stack([centre - up, centre + up], axis=1)
     look = {"cmap": "viridis_r", "norm": norm}
     lines = ax.add_collection(LineCollection(ends, array=tilt, lw=1.6, **look))
     ax.scatter(*ends[:, 1].T, c=tilt, s=7, lw=0, **look)

@@ -68,15 +68,20 @@ def data(quick: bool = False, scene: str | None = None) -> Data:
 def draw(d: Data) -> plt.Figure:
     figure, axes = plt.subplot_mosaic("ac;bc", figsize=(7.0, 4.6), width_ratios=(1.5, 1))
     a, b, c = (axes[letter] for letter in "abc")
-    low, dashes = d["plate"].min(), ("-", (0, (6, 6)), (0, (2, 4)))  # rods on one line: all show
+    time, plate = d["time"], d["plate"]
+    low, dashes = plate.min(), ("-", (0, (6, 6)), (0, (2, 4)))  # rods on one line: all show
     titles = []
     for ax, tips, tilt in zip((a, b), d["tips"], TIP_TILTS_DEG, strict=True):
-        ax.fill_between(d["time"], low - 0.05, d["plate"], color="0.8", lw=0)
-        ax.plot(d["time"], d["plate"], color="0.45", lw=0.8)
+        ax.fill_between(time, low - 0.05, plate, color="0.8", lw=0)
+        ax.plot(time, plate, color="0.45", lw=0.8)
         for tip, colour, dash in zip(tips.T, shades(3), dashes, strict=True):
-            ax.plot(d["time"], tip, color=colour, ls=dash)
-        ax.set(xlabel="time (periods of the plate)", xlim=(0, SHOWN_PERIODS))
-        ax.set(ylabel="height (cm)", ylim=(low - 0.03, 1.1 * tips.max()))
+            ax.plot(time, tip, color=colour, ls=dash)
+        ax.set(
+            xlabel="time (periods of the plate)",
+            xlim=(0, SHOWN_PERIODS),
+            ylabel="height (cm)",
+            ylim=(low - 0.03, 1.1 * tips.max()),
+        )
         apart = np.ptp(tips, axis=1).max() > 0.1 * np.ptp(tips)
         words = "" if apart else ", one on another"
         titles.append(rf"$\phi={tilt}$°, three rods{words}")

@@ -70,11 +70,11 @@ def draw(d: Data) -> plt.Figure:
     end_deg = np.degrees(end)
     for i, ax in enumerate(axes):
         mesh = ax.pcolormesh(np.degrees(d["tilt"]), d["friction"], d["regime"][i], **REGIME_LOOK)
-        slide_deg = np.degrees(d["slide_tilt"])
-        ax.plot(slide_deg, d["slide_friction"][i], "k-", label=r"$u_*=0$, Eq. (14)")
+        slide_deg, slide = np.degrees(d["slide_tilt"]), d["slide_friction"][i]
+        ax.plot(slide_deg, slide, "k-", label=r"$u_*=0$, Eq. (14)")
         critical_deg = np.degrees(d["critical_tilt"][i])
         ax.plot(critical_deg, d["critical_friction"], "k--", label="both roots of Eq. (23)")
-        if np.interp(end_deg, slide_deg, d["slide_friction"][i]) <= end_friction:
+        if np.interp(end_deg, slide_deg, slide) <= end_friction:
             ax.plot(end_deg, end_friction, "ko", label=r"$\mu=3/4$, $\phi=\arctan 2$")
         ax.plot(90, 0.6, "kx", ms=6, clip_on=False, label=r"as printed: 3/5 at 90°")
         if "marked" in d:

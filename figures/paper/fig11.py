@@ -104,6 +104,7 @@ def draw(d: Data) -> plt.Figure:
         _end(ax, d)
     legend_above(figure, ax, ncols=2)
     setting = rf"$\epsilon={d['restitution']:g}$, friction $\mu={d['friction']:g}$"
-    undetermined = "; without friction no drift is determined" * bool(d["friction"] == 0)
-    note(figure, f"thin rod, restitution {setting}{undetermined}")
+    if d["friction"] == 0:
+        setting += "; without friction no drift is determined"
+    note(figure, f"thin rod, restitution {setting}")
     return figure

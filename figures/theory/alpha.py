@@ -38,6 +38,7 @@ from ..lib.style import (
 SHORTEST_FLIGHT = 0.01  # periods
 ALPHA_TILTS_DEG = (9, 20, 40)
 EXPERIMENT = 1.6  # Gamma above which the paper's rods drift forward, Fig. 2(c, d)
+small = partial(curve, ms=2)  # symbols of places close together
 MEASURED_FIELDS = ("alpha", "alpha_impulse", "drift", "flight", "rest")
 
 
@@ -94,17 +95,18 @@ def data(
 
 
 def _over_tilt(axes, d):
-    d = {**d, "deg": np.degrees(d["tilt"])}
+    deg = np.degrees(d["tilt"])
+    d = {**d, "deg": deg}
     again, (a, b, c) = np.degrees(d["again_tilt"]), axes
-    curve(a, d, "deg", "tilt_alpha", SKY, "every landing alike", ms=2)
-    curve(a, d, "deg", "tilt_alpha_impulse", RIGID, "weighted by impulse", ms=2)
+    small(a, d, "deg", "tilt_alpha", SKY, "every landing alike")
+    small(a, d, "deg", "tilt_alpha_impulse", RIGID, "weighted by impulse")
     a.axhline(0.5, color=THEORY, ls="--", label="Eq. (31): 1/2")
     a.set_ylabel(r"$\alpha=\langle V_z\rangle/V_0$")
     zero_line(a)
 
     share = d["tilt_flights"].T / 16
     b.pcolormesh(
-        d["deg"],
+        deg,
         np.arange(len(share)) / 16,
         np.sqrt(share),
         cmap="Greys",
@@ -112,15 +114,15 @@ def _over_tilt(axes, d):
         vmax=1,
         rasterized=True,
     )
-    curve(b, d, "deg", "tilt_flight", RIGID, "mean", ms=2)
+    small(b, d, "deg", "tilt_flight", RIGID, "mean")
     b.set(ylabel="flight (periods)", ylim=(0, 3.2))
     if again >= 0:
         b.plot([], [], ":", color=BLACK, label=rf"$X^2=\epsilon k^2$, {again:.1f}°")
 
-    curve(c, d, "deg", "tilt_drift", RIGID, "computed", ms=2)
+    small(c, d, "deg", "tilt_drift", RIGID, "computed")
     steady, label = d["steady_c_x"], r"(24), computed $\alpha$"
-    c.plot(d["deg"], steady * d["tilt_alpha_impulse"], color=THEORY, lw=0.8, label=label)
-    c.plot(d["deg"], steady / 2, "--", color=THEORY, label=r"(24), $\alpha=1/2$")
+    c.plot(deg, steady * d["tilt_alpha_impulse"], color=THEORY, lw=0.8, label=label)
+    c.plot(deg, steady / 2, "--", color=THEORY, label=r"(24), $\alpha=1/2$")
     c.set(ylabel=r"drift / $V_0$", ylim=(0, 1.45 * d["tilt_drift"].max() or 1))
     for ax in axes:
         tilt_axis(ax, 0, 75)
@@ -134,7 +136,7 @@ def _over_gamma(axes, d):
     for i, colour in enumerate(shades(len(d["gamma_tilt"]))):
         label = rf"$\phi={np.degrees(d['gamma_tilt'][i]):.0f}$°"
         for ax, name in zip(axes, ("alpha_impulse", "drift", "rest"), strict=True):
-            curve(ax, d, "gammas", f"gamma_{name}", colour, label, at=i, ms=2)
+            small(ax, d, "gammas", f"gamma_{name}", colour, label, at=i)
     a.plot(d["inelastic_gamma"], d["inelastic_alpha"], ":", color=BLACK, label=r"$\epsilon=0$")
     a.set(ylabel=r"$\alpha$, weighted by impulse", ylim=(-1.1, 1.1))
     zero_line(a)

@@ -129,9 +129,10 @@ def _density(ax, d):
 
 
 def _alpha(ax, d):
-    slow = d["fall"] <= 1
-    ax.plot(d["fall"][slow], d["alpha"][slow], "--", color=BLUE, label="slower than the plate")
-    ax.plot(d["fall"][~slow], d["alpha"][~slow], color=BLACK, label="faster, $1/(2q)$")
+    fall, alpha = d["fall"], d["alpha"]
+    slow = fall <= 1
+    ax.plot(fall[slow], alpha[slow], "--", color=BLUE, label="slower than the plate")
+    ax.plot(fall[~slow], alpha[~slow], color=BLACK, label="faster, $1/(2q)$")
     ax.plot(1, 0.5, "o", color=THEORY, label="the paper's 1/2")
     ax.set(
         xlabel=r"fall speed $q=|c_z|/V_0$",

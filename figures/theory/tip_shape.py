@@ -47,9 +47,17 @@ def _bounced(quick: bool, length: float, setting: dict[str, float]) -> Data:
     """Drift of repeated impacts at held tilt, in V_0; mean over Gamma and standard error."""
     gammas = np.linspace(2, 4, 5 if quick else 21)
     tilts = np.radians([1, 5, 8, 15, 28, 60] if quick else [*range(1, 12), *range(12, 61, 2)])
-    found, landings = {"bounced_tilt": tilts}, 100 if quick else 500
+    found = {"bounced_tilt": tilts}
     for name, shape in (("round", spherocylinder), ("flat", flat_ended_rod)):
-        runs = bounced(tilts[:, None], gammas, length, shape, landings=landings, rods=4, **setting)
+        runs = bounced(
+            tilts[:, None],
+            gammas,
+            length,
+            shape,
+            landings=100 if quick else 500,
+            rods=4,
+            **setting,
+        )
         drifts, _ = estimates(runs, "drift")
         found |= with_error(f"{name}_bounced", drifts.mean(axis=1), sem(drifts, axis=1))
     return found
@@ -58,7 +66,8 @@ def _bounced(quick: bool, length: float, setting: dict[str, float]) -> Data:
 def _one_impact(quick: bool, length: float, friction: float, restitution: float) -> Data:
     """c_x after one impact straight down on a flat end, in |c_z|: soft, and by the map."""
     degrees = [0, 0.02, 0.05, 0.1, 0.2, *([5, 10] if quick else range(1, 16))]
-    soft_tilt = np.radians([*(-deg for deg in degrees[:0:-1]), *degrees])
+    half = np.radians(degrees)
+    soft_tilt = np.append(-half[:0:-1], half)
     rod, law = md.Rod(length, ends="flat"), md.coulomb(restitution)
     soft = [
         md.impact(tilt, 0.0, -1.0, friction=friction, rod=rod, law=law).c_x for tilt in soft_tilt
