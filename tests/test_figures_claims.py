@@ -150,6 +150,17 @@ def test_what_has_not_run_is_not_taken_for_no_drift(lost):
     assert measure_annulus.begins(ran, "c_x")["onset"][:2] == pytest.approx((1.55, 0.45))
 
 
+def test_slippery_rows_that_have_not_run_are_missing(monkeypatch):
+    """Their numbers stand beside the largest drift, which has a figure of its own."""
+    lost = {"stationary": np.array([np.nan, 1]), "stationary_error": np.array([np.nan, 0.1])}
+    monkeypatch.setattr(runs, "means", lambda *_: lost)
+    drift = {"friction": np.ones(2), "restitution": np.ones(1)}
+    drift |= {"c_x": np.ones((2, 1)), "c_x_error": np.ones((2, 1))}
+    slippery = measure_rows._slippery(SimpleNamespace(quick=True, figure=lambda _: drift))
+    with pytest.raises(md.RunError, match="stationary: runs are missing"):
+        resampled(slippery, lambda d: d["stationary"][0] / d["largest"])
+
+
 # What is read from data
 
 

@@ -267,10 +267,10 @@ def slow_start(scene: md.Scene, periods: int) -> dict[str, float]:
 def _slippery(data: Evidence) -> Data:
     """Rows on a slippery plate, over friction; the largest drift over all frictions [cm/s]."""
     names = "stationary", "relaxation", "V_z", "often"
-    found = Whole(rows.means(sweeps(data.quick)["slippery"], {name: name for name in names}))
+    found = rows.means(sweeps(data.quick)["slippery"], {name: name for name in names})
     cut = _cut(data)
     at = cut["c_x"].argmax()
-    return {**found, "largest": cut["c_x"][at], "largest_error": cut["c_x_error"][at]}
+    return Whole(found | {"largest": cut["c_x"][at], "largest_error": cut["c_x_error"][at]})
 
 
 @measures("S25")
