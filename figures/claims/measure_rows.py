@@ -17,7 +17,7 @@ from ..cost.accuracy_cost_impact import gear_from_leapfrog
 from ..lib import runs as rows
 from ..lib import soft_impacts as soft
 from ..lib.style import Data
-from ..paper import fig12, fig13
+from ..paper import fig02, fig12, fig13
 from . import over_tilt
 from .evidence import Evidence, Whole
 from .measure_annulus import begins, reverse_drift
@@ -59,7 +59,7 @@ def forward(data):
     grid = data.figure("fig02")
     return {
         "forward": count(over_tilt.NUMBERS["S3.forward"](data.over_tilt)),  # not resampled
-        "driven": count(np.mean(grid["kind"][grid["gamma"] >= 1.6] == 1)),
+        "driven": count(np.mean(grid["kind"][grid["gamma"] >= fig02.ONSET] == 1)),
     }
 
 
