@@ -31,6 +31,7 @@ import sys
 from collections.abc import Callable, Iterator, Mapping
 from functools import cache, reduce
 from itertools import product
+from operator import or_
 from pathlib import Path
 from types import FrameType
 from typing import Any, NamedTuple
@@ -207,7 +208,7 @@ def history(at: Situation) -> int:
 
 def _final_velocity(law: str, regime: int, order: str) -> sp.Expr:
     """Final normal velocity v_f, as derived for a law, a regime, and an early or late stop."""
-    if regime == SLIDE or law == "newton":
+    if regime == SLIDE:
         return RESTITUTION({})
     slopes = laws.slopes()
     after = slopes["stick" if regime == STICK else "back"]
@@ -243,8 +244,7 @@ def _returned(law: str, regime: int, order: str) -> list[sp.Expr]:
 def _wrong_letters(code: str, law: str, at: Situation, path: list[bool]) -> Iterator[str]:
     """Messages on results that are not as derived, in letters along the path of a situation."""
     early = at[u_0] == 0 or value(slide.stop()[2].subs(m, 1), at) < 0
-    known = {letter: sp.S.Zero for letter in at if at[letter] == 0}
-    known[SIDE] = sp.Integer(at[SIDE])
+    known = {letter: 0 for letter in at if at[letter] == 0} | {SIDE: at[SIDE]}
     decisions = iter(path)
     space = loaded(code, choices(lambda _: next(decisions)) | _ON_LETTERS)
     found = space["impact"](space[law], tuple(form.subs(known) for form in given()))
@@ -259,7 +259,7 @@ def _wrong_letters(code: str, law: str, at: Situation, path: list[bool]) -> Iter
 
 def wrong_roundings(found: Mapping[str, Values]) -> Iterator[str]:
     """Messages on claims of `ACCURATE` that do not hold in a run."""
-    whole_run = {name: x for names in found.values() for name, x in names.items()}
+    whole_run = reduce(or_, found.values(), {})
     for function in ACCURATE.keys() & found.keys():  # Newton's law calls no `after_stop`
         names = whole_run | found[function]
         for claim in ACCURATE[function]:

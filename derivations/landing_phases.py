@@ -19,7 +19,7 @@ from .equality import DIGITS, Pair, Residuals
 from .lecture import PAPER, degrees, meaning, number
 from .proof import Equation
 from .symbols import V_z, epsilon, phi, theta
-from .trace import derived, solve
+from .trace import derived, only_root
 
 q = sp.Symbol("q", positive=True)  # |c_z|/V_0
 theta_0, theta_s = sp.symbols("theta_0 theta_s", real=True)  # end and start of the landing phases
@@ -58,9 +58,8 @@ def density() -> sp.Expr:
 def consistent_alpha() -> Pair:
     """The fall that the closure asks for, and the $b$ with which it is as fast as the plate."""
     fitting = sp.Symbol("{V_z/V_0}", positive=True)
-    (alpha,) = solve(mean_speed(False).subs(q, bounce * fitting) - fitting, fitting)
-    (least,) = solve(bounce * alpha - 1, bounce)
-    return alpha, least
+    alpha = only_root(mean_speed(False).subs(q, bounce * fitting) - fitting, fitting)
+    return alpha, only_root(bounce * alpha - 1, bounce)
 
 
 @derived(r"\sin^2\phi")
@@ -68,8 +67,7 @@ def tilt_of_one_half() -> sp.Expr:
     """Of the tilt at which a thin rod lands with $V_z = V_0/2$ by the closure."""
     square = sp.Symbol(r"{\sin^2\phi}", positive=True)
     up = (thin_stationary("stick")[1] / V_z).subs(sp.sin(phi) ** 2, square)
-    (value,) = solve(up - consistent_alpha()[1], square)
-    return value
+    return only_root(up - consistent_alpha()[1], square)
 
 
 def _first_contact(fall: mpmath.mpf, line: mpmath.mpf, before: mpmath.mpf) -> mpmath.mpf:
@@ -102,7 +100,7 @@ def _touched(fall: mpmath.mpf, digits: int) -> tuple[mpmath.mpf, dict[sp.Symbol,
     line = fall * end + mpmath.sin(end)
     start = _first_contact(fall, line, end) - 2 * mpmath.pi
     phases = {theta_0: end, theta_s: start, q: fall}
-    return line, {letter: sp.Float(str(value), digits) for letter, value in phases.items()}
+    return line, {letter: sp.Float(value, digits) for letter, value in phases.items()}
 
 
 def _shadow_of_a_rod(form: sp.Expr) -> Residuals:
@@ -131,7 +129,7 @@ def _rods_counted(form: sp.Expr) -> Residuals:
 
         strip = 2 * mpmath.pi * fall
         counted = mpmath.quad(met, [line, line + strip]) / strip
-        residual = form.subs(phases) - sp.Float(str(counted), 20)
+        residual = form.subs(phases) - sp.Float(counted, 20)
     return [0 if abs(residual) < 1e-10 else residual]
 
 
@@ -145,7 +143,7 @@ def _fast_quadrature(form: sp.Expr) -> Residuals:
                 lambda x: (speed + mpmath.cos(x)) * mpmath.cos(x) ** n, [0, mpmath.pi]
             )
 
-        number = sp.Float(str(moment(1) / moment(0)), DIGITS + 25)
+        number = sp.Float(moment(1) / moment(0), DIGITS + 25)
     return [form.subs(q, sp.Rational(17, 10)) - number]
 
 

@@ -40,7 +40,7 @@ from .symbols import (
     v_0,
     v_f,
 )
-from .trace import derived, remembered, say, solve
+from .trace import derived, only_root, remembered, say, solve
 
 a_1, a_2 = sp.symbols("a_1 a_2", positive=True)
 # Inverse inertia of the contact point: du = C P_x - B P_z, dv = A P_z - B P_x.
@@ -94,8 +94,7 @@ def _velocity(p: sp.Expr) -> sp.Expr:
 def compression(order: str) -> sp.Expr:
     """Normal impulse at the end of compression."""
     line = _velocity(P_z) if order == "early" else v_0 + a_1 * P_z
-    (p_c,) = solve(line, P_z)
-    return p_c
+    return only_root(line, P_z)
 
 
 @derived()
@@ -122,8 +121,7 @@ def final_velocity(law: str, order: str) -> sp.Expr:
     square = sp.Symbol("v_f^2", positive=True)
     p_f = P_1 + (sp.sqrt(square) - V_1) / a_2
     done = work(order, p_f)
-    (value,) = solve(sp.expand(done[W_r] + epsilon**2 * done[W_c]), square)
-    return sp.sqrt(value)
+    return sp.sqrt(only_root(sp.expand(done[W_r] + epsilon**2 * done[W_c]), square))
 
 
 @derived("P_x", "P_z")
@@ -187,7 +185,7 @@ def energy_by_poisson(regime: str, order: str) -> sp.Expr:
     held, whole = HELD[regime], P_1 + P_2
     known = {a_1: A + mu * B, a_2: A - B * held}
     compressed = sp.factor(whole / (1 + _restitution()))
-    (v_start,) = solve(compression(order) - compressed, v_0)
+    v_start = only_root(compression(order) - compressed, v_0)
     change = _energy(-mu * P_1 + held * P_2, whole)
     change = change.subs({u_0: (mu * C + B) * P_1, v_0: v_start}).subs(known)
     lost = change.diff(kappa) * kappa  # it is linear in kappa

@@ -18,7 +18,7 @@ from .lecture import PAPER, degrees, formula, number, so
 from .proof import Equation
 from .slide import slide_excess
 from .symbols import V_z, X, Z, c_x, c_z, epsilon, k, mu, u_0, v_0
-from .trace import derived, solve
+from .trace import derived, only_root, solve
 from .typeset import latex
 
 
@@ -33,7 +33,7 @@ def optimum(case: str) -> Pair:
     """Tangent of the tilt of the largest drift in one regime, and that drift over $V_z$."""
     drift = drift_over_tangent(case)
     roots = solve(sp.numer(sp.together(drift.diff(T))), T)
-    at = {mu: sp.Rational(3, 10), epsilon: sp.Rational(1, 2)}
+    at = {mu: sp.Rational(3, 10), epsilon: sp.S.Half}
     (best,) = (root for root in roots if root.subs(at).evalf() > 0)
     return best, drift.subs(T, best)
 
@@ -69,15 +69,14 @@ def slip_left(case: str) -> sp.Expr:
 @derived(r"\mu_P")
 def painleve_friction() -> sp.Expr:
     """Friction at which slip towards $-x$ presses the contact into the plate, $XZ > 0$."""
-    (friction,) = solve(slopes()["back"], mu)
-    return friction
+    return only_root(slopes()["back"], mu)
 
 
 @derived(r"\tan\phi", r"\mu_P")
 def least_painleve_friction() -> Pair:
     """Tangent of the tilt at which that friction is least for a thin rod, and that friction."""
     friction = over_tangent(painleve_friction())
-    (best,) = solve(friction.diff(T), T)
+    best = only_root(friction.diff(T), T)
     return best, friction.subs(T, best)
 
 
@@ -101,12 +100,10 @@ def _response(case: str) -> sp.Matrix:
 
 def _margins(form: sp.Matrix) -> Residuals:
     """Residuals of the margins: characteristic polynomial at 1 and -1, one minus its value at 0."""
-    x = sp.Symbol("x")
     checks = []
     for case, start in zip(CASES, (0, 3), strict=True):
-        a, b, c, d = _response(case)
-        polynomial = (x - a) * (x - d) - b * c
-        wanted = polynomial.subs(x, 1), polynomial.subs(x, -1), 1 - polynomial.subs(x, 0)
+        polynomial = _response(case).charpoly()
+        wanted = polynomial(1), polynomial(-1), 1 - polynomial(0)
         checks += sp.Matrix(wanted) - sp.Matrix(form[start : start + 3])
     return checks
 

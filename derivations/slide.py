@@ -8,7 +8,7 @@ from .newton import approach, contact_change, velocity_change
 from .paper import LETTERS
 from .proof import Equation, Repair
 from .symbols import F_z, P_x, P_z, c_x, c_z, u_0, v_0
-from .trace import derived, say, solve
+from .trace import derived, only_root, say
 from .typeset import latex
 
 
@@ -34,7 +34,7 @@ def impulse() -> Pair:
     """The total impulse of a slide."""
     parting = normal_velocity(), RESTITUTION({})
     sentence = f"The contact parts at $v = {latex(parting[1])}$; solved for $P_z$"
-    (p_z,) = solve(parting, P_z, sentence)
+    p_z = only_root(parting, P_z, sentence)
     return friction(p_z, 1), p_z
 
 
@@ -47,7 +47,7 @@ def by_speeds(form: sp.Expr) -> sp.Expr:
 @derived("P_x(t_1)", "P_z(t_1)", "v_1")
 def stop() -> Triple:
     """The impulse at which the slip stops, put into the normal velocity."""
-    (p_z,) = solve(slip_velocity(), P_z, "The slip stops at $u = 0$; solved for $P_z$")
+    p_z = only_root(slip_velocity(), P_z, "The slip stops at $u = 0$; solved for $P_z$")
     return friction(p_z, 1), p_z, by_speeds(normal_velocity(p_z))
 
 
