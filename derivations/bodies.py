@@ -87,15 +87,13 @@ def flat_contact() -> Pair:
 def _contact_checks(form: sp.Matrix) -> Residuals:
     """Residuals of contacts: virtual work, radius of curvature of the end, height at two tilts."""
     x_round, z_round, x_flat, z_flat = form
-    checks = []
     for x, z, curvature in ((x_round, z_round, diameter / 2), (x_flat, z_flat, 0)):
-        checks += [
+        yield from (
             x + z.diff(phi),
             z.diff(phi, 2) + z - curvature,
             z.subs(phi, 0) - length / 2,
             z.subs(phi, sp.pi / 2) - diameter / 2,
-        ]
-    return checks
+        )
 
 
 def _gyration_checks(form: sp.Matrix) -> Residuals:

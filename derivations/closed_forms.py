@@ -177,7 +177,7 @@ FUNCTIONS = (
     *(
         _of_law(law, order, output, power)
         for law, output, power in (("poisson", "v_f", 1), ("stronge", "square", 2))
-        for order in ("early", "late")
+        for order in laws.ORDERS
     ),
     Function("energy_change", lambda: {"energy": laws.energy_of_impulse()}),
     # ---- rods, regime boundaries, drift ----

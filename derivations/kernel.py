@@ -43,7 +43,7 @@ import sympy as sp
 from . import laws, slide, slip_reversal, slip_stick
 from .axioms import RESTITUTION
 from .equality import DIGITS, equal_at_random_points, value
-from .laws import A, B, C, a_1, a_2
+from .laws import LAWS, A, B, C, a_1, a_2
 from .newton import approach, spin_jump
 from .proof import Equation, Proof, Verdict
 from .rewrites import RESPONSES, SQUARES, K
@@ -73,7 +73,6 @@ Values = dict[str, Any]
 
 _IMPACT = Path(__file__).resolve().parent.parent / "impact"
 CLOSED_FORMS, KERNEL = _IMPACT / "_generated.py", _IMPACT / "_kernel.py"
-LAWS = "newton", "poisson", "stronge"
 SLIDE, STICK, BACK = 1, 2, 3  # codes of regimes; 0 is no impact
 _RETURNED = "c_x", "c_z", "omega", "regime", "P_x", "P_z", "slip", "v_f", "energy"
 # By function: a sum of its names, and how many roundings are left in it at most. Each is as large
@@ -193,7 +192,7 @@ def history(at: Situation) -> int:
     """
     if at[v_0] >= 0:
         return 0
-    a, b, c = (value(laws.mobility()[letter].subs(m, 1), at) for letter in (A, B, C))
+    a, b, c = (value(form.subs(m, 1), at) for form in laws.mobility().values())
     friction, u, gain = at[mu], at[u_0], -(1 + at[epsilon]) * at[v_0]
     end = gain / (a + friction * b)
     stop = u / (b + friction * c) if u else u
@@ -259,7 +258,7 @@ def _wrong_letters(code: str, law: str, at: Situation, path: list[bool]) -> Iter
 
 def wrong_roundings(found: Mapping[str, Values]) -> Iterator[str]:
     """Messages on claims of `ACCURATE` that do not hold in a run."""
-    whole_run = reduce(or_, found.values(), {})
+    whole_run: Values = reduce(or_, found.values(), {})
     for function in ACCURATE.keys() & found.keys():  # Newton's law calls no `after_stop`
         names = whole_run | found[function]
         for claim in ACCURATE[function]:

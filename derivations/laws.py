@@ -42,6 +42,8 @@ from .symbols import (
 )
 from .trace import derived, only_root, remembered, say, solve
 
+LAWS = "newton", "poisson", "stronge"
+ORDERS = "early", "late"
 a_1, a_2 = sp.symbols("a_1 a_2", positive=True)
 # Inverse inertia of the contact point: du = C P_x - B P_z, dv = A P_z - B P_x.
 A, B, C = sp.symbols("A B C", positive=True)
@@ -224,7 +226,6 @@ def _areas(form: sp.Matrix) -> Residuals:
 
     The areas are those under the broken lines of v, and of u times -+mu, over P_z.
     """
-    checks = []
     for change, (regime, order) in zip(form, _ENDS, strict=True):
         compressed = (P_1 + P_2) * (1 + kappa) / 2
         rise, rise_later = A + mu * B, A - (mu * B if regime == "back" else B**2 / C)
@@ -236,8 +237,7 @@ def _areas(form: sp.Matrix) -> Residuals:
         friction = -mu * (mu * C + B) * P_1**2 / 2
         if regime == "back":
             friction -= mu * (B - mu * C) * P_2**2 / 2
-        checks.append(normal + friction - change)
-    return checks
+        yield normal + friction - change
 
 
 def _created(regime: str, ratio: sp.Expr) -> sp.Expr:
@@ -247,7 +247,7 @@ def _created(regime: str, ratio: sp.Expr) -> sp.Expr:
 
 
 _LEAST = sp.pi / 4  # tilt of the least threshold of a thin rod
-_ENDS = [(regime, order) for order in ("early", "late") for regime in HELD]
+_ENDS = [(regime, order) for order in ORDERS for regime in HELD]
 
 
 def _threshold_told(regime: str) -> str:
@@ -285,7 +285,7 @@ def _under(name: str, shown: Pair, check: Callable[[sp.Matrix], Residuals]) -> E
         f"laws: {name}",
         f"$v_f$ under {name}'s restitution: slip stops before the end of compression (early), late",
         "(v_{f, early}, v_{f, late})",
-        derive=lambda: tuple(final_velocity(name.lower(), o) for o in ("early", "late")),
+        derive=lambda: tuple(final_velocity(name.lower(), order) for order in ORDERS),
         shown=shown,
         check=check,
     )
@@ -322,9 +322,7 @@ EQUATIONS = (
         "where the slip does not stop the three laws say the same",
         "v_f^2",
         derive=lambda: tuple(
-            final_velocity(law, order).subs(a_2, a_1) ** 2
-            for law in ("newton", "poisson", "stronge")
-            for order in ("early", "late")
+            final_velocity(law, order).subs(a_2, a_1) ** 2 for law in LAWS for order in ORDERS
         ),
         where=lambda: {"v_f": RESTITUTION({})},
         # the same share of the work on one line of v over P_z

@@ -100,23 +100,19 @@ def _response(case: str) -> sp.Matrix:
 
 def _margins(form: sp.Matrix) -> Residuals:
     """Residuals of the margins: characteristic polynomial at 1 and -1, one minus its value at 0."""
-    checks = []
     for case, start in zip(CASES, (0, 3), strict=True):
         polynomial = _response(case).charpoly()
         wanted = polynomial(1), polynomial(-1), 1 - polynomial(0)
-        checks += sp.Matrix(wanted) - sp.Matrix(form[start : start + 3])
-    return checks
+        yield from sp.Matrix(wanted) - sp.Matrix(form[start : start + 3])
 
 
 def _slide_from_the_landing(form: sp.Matrix) -> Residuals:
     """Residuals of the slip that a slide leaves, from a whole impact that starts at the landing."""
     v_x, _, spin = second_routes.landed("slide")
     left = v_x - spin * Z
-    checks = []
     for case, value in zip(CASES, form, strict=True):
         start = dict(zip((c_x, c_z), second_routes.landing(case), strict=True))
-        checks.append(left.subs(start, simultaneous=True) - value)
-    return checks
+        yield left.subs(start, simultaneous=True) - value
 
 
 def _pressed_in(form: sp.Expr) -> Residuals:

@@ -59,8 +59,8 @@ def cm_velocity(p_x: sp.Expr, p_z: sp.Expr) -> Pair:
     if not any(c.has(u_0, v_0) for c in after):
         return after
     say("The impulse put into (10) and (11)", "c'_x", "c'_z", after)
-    letters, before = map(tuple, (approach(), approach().values()))
-    say("Before the impact, by (3) with the lever $(-X, -Z)$", *map(latex, letters), before)
+    sentence = "Before the impact, by (3) with the lever $(-X, -Z)$"
+    say(sentence, *map(latex, approach()), tuple(approach().values()))
     return tuple(c.subs(approach()) for c in after)
 
 

@@ -69,8 +69,9 @@ def _relaxed(form: sp.Expr) -> Residuals:
 
 def _lost_by_quadrature(form: sp.Expr) -> Residuals:
     """Residual of 1 - e: work over the path in and out, by quadrature, over twice the energy."""
+    at = {stiffness: 2, damping: 3, mass: 4, speed: 5}
     with mpmath.workdps(DIGITS + 30):
-        k, gamma, m, v = map(mpmath.mpf, range(2, 6))
+        k, gamma, m, v = map(mpmath.mpf, at.values())
         deepest = (5 * m * v**2 / (4 * k)) ** mpmath.mpf("0.4")
 
         def power(x: mpmath.mpf) -> mpmath.mpf:
@@ -79,9 +80,7 @@ def _lost_by_quadrature(form: sp.Expr) -> Residuals:
 
         lost = 2 * mpmath.quad(power, [0, deepest]) / (m * v**2)
         number = sp.Float(lost, DIGITS + 25)
-    return [
-        form.subs(dict(zip((stiffness, damping, mass, speed), range(2, 6), strict=True))) - number
-    ]
+    return [form.subs(at) - number]
 
 
 _APPENDIX_A = {  # in d, g and virtual spheres
