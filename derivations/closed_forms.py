@@ -99,8 +99,8 @@ def _response() -> NamedForms:
     `held` is the friction over the critical one; at 1 the forms are those of slip-stick.
     """
     a, b, c, d = optimum.jacobian("back")
-    forms = (*optimum.stability_margins("back"), a - d, -4 * b * c)
-    names = ("steady", "alternating", "shrinking", "apart", "coupling")
+    forms = *optimum.stability_margins("back"), a - d, -4 * b * c
+    names = "steady", "alternating", "shrinking", "apart", "coupling"
     friction = _held * thin_rod.critical_friction()
     return {name: form.subs(mu, friction) for name, form in zip(names, forms, strict=True)}
 

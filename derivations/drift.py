@@ -136,11 +136,13 @@ def _again_told() -> str:
     """Note on the tilt above which the centre of a thin rod leaves more slowly than the plate."""
     excess = over_tangent(centre_excess() / V_z).subs(PAPER)
     (level,) = sp.solve(excess, T)
-    words = (
+    return so(
         f"it leaves more slowly above {degrees(sp.atan(level))}, for a thin rod and the paper's "
-        f"restitution, {number(PAPER[epsilon])}"
+        f"restitution, {number(PAPER[epsilon])}",
+        -excess,
+        T,
+        level,
     )
-    return so(words, -excess, T, level)
 
 
 EQUATIONS = (

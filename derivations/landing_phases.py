@@ -91,16 +91,15 @@ def _first_contact(fall: mpmath.mpf, line: mpmath.mpf, before: mpmath.mpf) -> mp
     raise ValueError("this rod meets no plate")
 
 
-def _touched(fall: mpmath.mpf, digits: int) -> tuple[mpmath.mpf, dict[sp.Symbol, sp.Float]]:
+def _touched(fall: mpmath.mpf) -> tuple[mpmath.mpf, dict[sp.Symbol, mpmath.mpf]]:
     """Line of the rod that the plate just touches as it turns away, with theta_0, theta_s and q.
 
-    The rod's height is its line less fall times theta; the letters' values have so many digits.
+    The rod's height is its line less fall times theta.
     """
     end = mpmath.acos(-fall)
     line = fall * end + mpmath.sin(end)
     start = _first_contact(fall, line, end) - 2 * mpmath.pi
-    phases = {theta_0: end, theta_s: start, q: fall}
-    return line, {letter: sp.Float(value, digits) for letter, value in phases.items()}
+    return line, {theta_0: end, theta_s: start, q: fall}
 
 
 def _shadow_of_a_rod(form: sp.Expr) -> Residuals:
@@ -110,8 +109,8 @@ def _shadow_of_a_rod(form: sp.Expr) -> Residuals:
     formula for theta_0.
     """
     with mpmath.workdps(DIGITS + 30):
-        _, phases = _touched(mpmath.mpf(3) / 5, 60)
-    return [form.subs(phases), meaning(theta_0, q).subs(phases) - phases[theta_0]]
+        _, phases = _touched(mpmath.mpf(3) / 5)
+        return [form.subs(phases), meaning(theta_0, q).subs(phases) - phases[theta_0]]
 
 
 def _rods_counted(form: sp.Expr) -> Residuals:
@@ -122,14 +121,14 @@ def _rods_counted(form: sp.Expr) -> Residuals:
     """
     with mpmath.workdps(20):
         fall = mpmath.mpf(1) / 5
-        line, phases = _touched(fall, 20)
+        line, phases = _touched(fall)
 
         def met(height: mpmath.mpf) -> mpmath.mpf:
             return mpmath.cos(_first_contact(fall, height, (height - 1) / fall - mpmath.pi))
 
         strip = 2 * mpmath.pi * fall
         counted = mpmath.quad(met, [line, line + strip]) / strip
-        residual = form.subs(phases) - sp.Float(counted, 20)
+        residual = form.subs(phases) - counted
     return [0 if abs(residual) < 1e-10 else residual]
 
 
@@ -143,8 +142,7 @@ def _fast_quadrature(form: sp.Expr) -> Residuals:
                 lambda x: (speed + mpmath.cos(x)) * mpmath.cos(x) ** n, [0, mpmath.pi]
             )
 
-        number = sp.Float(moment(1) / moment(0), DIGITS + 25)
-    return [form.subs(q, sp.Rational(17, 10)) - number]
+        return [form.subs(q, sp.Rational(17, 10)) - moment(1) / moment(0)]
 
 
 def _consistent_checks(form: sp.Matrix) -> Residuals:

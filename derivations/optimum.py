@@ -100,10 +100,11 @@ def _response(case: str) -> sp.Matrix:
 
 def _margins(form: sp.Matrix) -> Residuals:
     """Residuals of the margins: characteristic polynomial at 1 and -1, one minus its value at 0."""
-    for case, start in zip(CASES, (0, 3), strict=True):
+    wanted: list[sp.Expr] = []
+    for case in CASES:
         polynomial = _response(case).charpoly()
-        wanted = polynomial(1), polynomial(-1), 1 - polynomial(0)
-        yield from sp.Matrix(wanted) - sp.Matrix(form[start : start + 3])
+        wanted += polynomial(1), polynomial(-1), 1 - polynomial(0)
+    return sp.Matrix(wanted) - form
 
 
 def _slide_from_the_landing(form: sp.Matrix) -> Residuals:

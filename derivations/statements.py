@@ -79,8 +79,7 @@ def _lost_by_quadrature(form: sp.Expr) -> Residuals:
             return gamma * m * x * mpmath.sqrt(max(left, 0))
 
         lost = 2 * mpmath.quad(power, [0, deepest]) / (m * v**2)
-        number = sp.Float(lost, DIGITS + 25)
-    return [form.subs(at) - number]
+        return [form.subs(at) - lost]
 
 
 _APPENDIX_A = {  # in d, g and virtual spheres
