@@ -156,11 +156,7 @@ EQUATIONS = (
     ),
     Equation("24", "drift in slip-stick", derive=lambda: stationary("stick")[0]),
     Equation("25", "vertical velocity in slip-stick", derive=lambda: stationary("stick")[1]),
-    Equation(
-        "26",
-        "drift of a thin rod in slip-stick",
-        derive=lambda: thin_stationary("stick")[0],
-    ),
+    Equation("26", "drift of a thin rod in slip-stick", derive=lambda: thin_stationary("stick")[0]),
     Equation("27", "drift in slip reversal", derive=lambda: stationary("back")[0]),
     Equation("28", "vertical velocity in slip reversal", derive=lambda: stationary("back")[1]),
     Equation(

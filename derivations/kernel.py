@@ -177,10 +177,9 @@ def on_numbers(code: str, law: str, at: Situation) -> tuple[Any, list[bool], dic
 @remembered
 def given() -> list[sp.Expr]:
     """Arguments of an impact that has the letters' values once the code has mirrored it."""
-    ahead = {X: SIDE * X}
-    start = approach()
-    along, up = (c - start[w].subs(ahead) for c, w in ((c_x, u_0), (c_z, v_0)))
-    return [along + SIDE * u_0, up + v_0, omega, V_z, SIDE * X, Z, k, mu, epsilon]
+    u, v = (form.subs(X, SIDE * X) for form in approach().values())
+    before = c_x - u + SIDE * u_0, c_z - v + v_0
+    return [*before, omega, V_z, SIDE * X, Z, k, mu, epsilon]
 
 
 def history(at: Situation) -> int:
@@ -194,11 +193,12 @@ def history(at: Situation) -> int:
         return 0
     a, b, c = (value(form.subs(m, 1), at) for form in laws.mobility().values())
     friction, u, gain = at[mu], at[u_0], -(1 + at[epsilon]) * at[v_0]
-    end = gain / (a + friction * b)
-    stop = u / (b + friction * c) if u else u
-    stops = stop >= 0 and (a + friction * b) * stop < gain
+    n, t = a + friction * b, b + friction * c  # N and T over k^2
+    end = gain / n
+    stop = u / t if u else u
+    stops = stop >= 0 and n * stop < gain
     histories = (
-        u > 0 and end > 0 and u >= (b + friction * c) * end,
+        u > 0 and end > 0 and u >= t * end,
         stops and abs(b) <= friction * c and b * b < a * c,
         stops and friction * c < b and friction * b < a,
     )

@@ -196,10 +196,8 @@ def _closure_told() -> str:
 EQUATIONS = (
     Equation(
         "V: flux of impacts",
-        (
-            "density of landing phases in proportion to the velocity of approach, "
-            "$q = |c_z|/V_0$, at the phases that are met"
-        ),
+        "density of landing phases in proportion to the velocity of approach, "
+        "$q = |c_z|/V_0$, at the phases that are met",
         r"H(\theta)",
         derive=density,
         check=_density_checks,
@@ -230,10 +228,8 @@ EQUATIONS = (
     ),
     Equation(
         "V: alpha and closure",
-        (
-            "$V_z/V_0$ if the rod falls as fast as the closure has it rise, $q = b V_z/V_0$ "
-            "with $b = c'_z/V_z$; and the smallest $b$ for which it holds, with $q \\ge 1$"
-        ),
+        "$V_z/V_0$ if the rod falls as fast as the closure has it rise, $q = b V_z/V_0$ "
+        "with $b = c'_z/V_z$; and the smallest $b$ for which it holds, with $q \\ge 1$",
         "(V_z/V_0, b_{min})",
         derive=consistent_alpha,
         check=_consistent_checks,

@@ -332,10 +332,8 @@ EQUATIONS = (
         "laws: energy, Poisson",
         "energy change under Poisson's law: slip stops early (slip-stick, slip "
         "reversal), late (the same)",
-        (
-            r"(\Delta E_{early, stick}, \Delta E_{early, back}, \Delta E_{late, stick}, "
-            r"\Delta E_{late, back})"
-        ),
+        r"(\Delta E_{early, stick}, \Delta E_{early, back}, \Delta E_{late, stick}, "
+        r"\Delta E_{late, back})",
         derive=lambda: tuple(energy_by_poisson(*end) for end in _ENDS),
         check=_areas,
         note=_poisson_told,

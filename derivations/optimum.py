@@ -211,10 +211,7 @@ EQUATIONS = (
     ),
     Equation(
         "Painleve: friction",
-        (
-            "friction from which a contact that slips towards $-x$ is pressed into the "
-            "plate, $XZ > 0$"
-        ),
+        "friction from which a contact that slips towards $-x$ is pressed into the plate, $XZ > 0$",
         r"\mu_P",
         derive=painleve_friction,
         check=_pressed_in,

@@ -79,11 +79,7 @@ def _impulse_put_in(impulse_of: sp.Expr, velocity: sp.Expr) -> sp.Expr:
 
 
 EQUATIONS = (
-    Equation(
-        "7",
-        "slip velocity left at separation",
-        derive=slip_velocity,
-    ),
+    Equation("7", "slip velocity left at separation", derive=slip_velocity),
     Equation("8", "normal impulse of a slide", derive=lambda: impulse()[1]),
     Equation("9", "tangential impulse of a slide", derive=lambda: impulse()[0]),
     Equation(

@@ -220,7 +220,7 @@ def _wrong_unit(
     form : gives what is judged, from a function that gives the dimension of a constant
     constants : each with the factor of its force that the mistake leaves out
     """
-    (factor, *_) = constants.values()
+    factor, *_ = constants.values()
 
     def by_printed_laws(*laws: sp.Expr) -> sp.Expr:
         law_of = dict(zip(constants, laws, strict=True))
