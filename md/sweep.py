@@ -367,20 +367,18 @@ def pool(tasks: list, workers: int, **how: Any) -> Iterator[Generator[Any, None,
         If a worker dies.
     """
     results: Any = None
-    how |= {"batch_size": 1, "return_as": "generator_unordered"}
     # what joblib's process that cleans up would say after a signal, below our one line
     os.environ.setdefault("PYTHONWARNINGS", "ignore:resource_tracker")
     warnings.filterwarnings("ignore", "A worker stopped")  # one that idled; another takes its place
     try:
         with deferred():  # half a pool would leave semaphores behind
-            results = Parallel(workers, **how)(tasks)
+            results = Parallel(workers, batch_size=1, return_as="generator_unordered", **how)(tasks)
         yield results
     except TerminatedWorkerError:
         again = "what was finished is kept: the same command goes on"
         raise RunError(f"a worker process died, for want of memory perhaps; {again}") from None
     finally:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
+        with warnings.catch_warnings(action="ignore"):
             if results is not None:
                 results.close()
 
@@ -451,8 +449,8 @@ def execute(
         wanted = [p for key, p in points.items() if not database.has(key, failed=not retry)]
         tally = Tally(len(sweep.points), len(points), len(points) - len(wanted))
         bar = progress_bar(total=len(wanted), unit=" runs", disable=None if progress else True)
-        processes = min(cpu_count() if workers == -1 else workers, max(len(wanted), 1))
-        tasks = [delayed(_one)(point) for point in wanted]
+        processes = min(cpu_count() if workers == -1 else workers, len(wanted) or 1)
+        tasks = [*map(delayed(_one), wanted)]
         try:
             with bar, pool(tasks, -1 if scheduler else processes) as results:
                 for key, result, error, seconds in results:
