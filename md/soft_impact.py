@@ -182,8 +182,7 @@ class _Contact:
         a_x, a_z = end.arm(tilt)
         lean, speed = tilt + end.offset, abs(velocity[1] - velocity[2] * a_x)
         assert effects.normal is not None
-        longer = effects._replace(half_length=end.reach)
-        self.setting = longer, (sin(lean), cos(lean), -a_z)
+        self.setting = effects._replace(half_length=end.reach), (sin(lean), cos(lean), -a_z)
         self.friction = effects.friction
         self.rigid = effects.friction is not None and effects.friction.spring is None
         self.mode, self.evaluations, self.rest = FREE, 0, 0.0

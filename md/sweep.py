@@ -220,7 +220,7 @@ class Sweep:
         values = [named(result, name) for result in results]
         first = next((value for value in values if value is not None), math.nan)
         kind = str if isinstance(first, str) else float
-        blank = "" if kind is str else np.full(np.shape(first), math.nan)
+        blank = "" if kind is str else np.full_like(first, math.nan, float)
         flat = np.array([blank if value is None else value for value in values], kind)
         return flat.reshape(self.shape + flat.shape[1:])
 
@@ -284,8 +284,8 @@ def expand(tables: Mapping, base: Mapping | None = None) -> Sweep:
     if (size := math.prod(Sweep(axes, ()).shape)) > _MOST_POINTS:
         raise InputError(f"a sweep may have {_MOST_POINTS} points, got {size}")
     for place in itertools.product(*(zip(*axis.values(), strict=True) for axis in axes)):
-        values = itertools.chain(*place)
-        changes = changes_of("axes", dict(zip(along, values, strict=True)))
+        values = dict(zip(along, itertools.chain(*place), strict=True))
+        changes = changes_of("axes", values)
         points.append(point_at(base, {**common, **changes}, changes, periods, **chosen))
     return Sweep(axes, tuple(points))
 
