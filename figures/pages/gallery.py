@@ -18,6 +18,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from impact import InputError
+from md.host import STEPS_PER_CONTACT
 
 from .. import load
 from ..claims import judge
@@ -97,9 +98,13 @@ def pages() -> dict[Path, str]:
     report = judge.load(GALLERY / "claims.json")
     numbers = {name: _short(row) for name, row in judge.numbers(report).items()}
     ladder = {rung["label"]: rung for rung in prices["ladder"]}
-    steps = [label for label, rung in ladder.items() if rung["group"] == "step"]
-    given = {"prices": prices, "report": report, "number": numbers, "ladder": ladder}
-    given["middle"] = steps[-2]  # of the steps: its row is the plain one
+    given = {
+        "prices": prices,
+        "report": report,
+        "number": numbers,
+        "ladder": ladder,
+        "plain": f"$t_c/{STEPS_PER_CONTACT}$",  # the row at the usual step
+    }
     made = {GALLERY / "claims.md": claims_page(report)}
     for name in ("costs.md", "effects.md"):
         made[GALLERY / name] = templates.get_template(f"{name}.jinja").render(given)
