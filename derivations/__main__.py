@@ -142,9 +142,9 @@ def generate(language: str | None, out: Path | None) -> None:
     """
     from . import files, languages  # for a quick --help
 
-    if language is None and out is not None:
-        raise click.UsageError("--out needs --language")
     if language is None:
+        if out is not None:
+            raise click.UsageError("--out needs --language")
         root = files.CLOSED_FORMS.parent.parent
         if not (root / "README.md").is_file():
             raise click.UsageError(f"generate needs a source checkout; {root} has no README.md")

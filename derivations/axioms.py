@@ -67,11 +67,10 @@ def _euler_checks(form: sp.Expr) -> Residuals:
     Struck across the rod, that one moves alone; struck along it, nothing turns.
     """
     a, b = sp.symbols("a b", real=True)  # half the vector from one to the other
-    struck = {lever_x: a, lever_z: b, moment: m * (a**2 + b**2)}  # total mass m
-    across = {P_x: b, P_z: -a}  # an impulse across the rod leaves the other mass at rest
-    spin = form.subs(struck).subs(across)
-    other = sp.Matrix([b, -a]) / m + spin * sp.Matrix([-b, a])
-    along = form.subs(struck).subs({P_x: a, P_z: b})  # nothing turns
+    struck = form.subs({lever_x: a, lever_z: b, moment: m * (a**2 + b**2)})  # total mass m
+    spin = struck.subs({P_x: b, P_z: -a})  # an impulse across the rod
+    other = sp.Matrix([b, -a]) / m + spin * sp.Matrix([-b, a])  # the other mass stays at rest
+    along = struck.subs({P_x: a, P_z: b})  # nothing turns
     scale = form.subs(moment, 2 * moment) * 2 - form
     return [*other, along, scale]
 

@@ -15,29 +15,23 @@ _z = sp.Symbol("z", real=True)
 
 def mass_and_inertia(profile: Profile, density: sp.Expr) -> Pair:
     """Mass and transverse moment of inertia of a body of revolution, sliced into discs."""
-    mass = inertia = sp.S.Zero
+    mass = inertia = 0
     for radius, low, high in profile:
-        area = sp.pi * radius**2
-        mass += sp.integrate(density * area, (_z, low, high))
-        disc = density * area * (_z**2 + radius**2 / 4)
-        inertia += sp.integrate(disc, (_z, low, high))
+        disc = density * sp.pi * radius**2  # mass per thickness
+        mass += sp.integrate(disc, (_z, low, high))
+        inertia += sp.integrate(disc * (_z**2 + radius**2 / 4), (_z, low, high))
     return sp.expand(mass), sp.expand(inertia)
 
 
 @derived("m/m_s", "I/(m_s d^2)")
 def spherocylinder() -> Pair:
     """Mass and inertia in units of the virtual sphere: diameter 1, mass 1; length $h_0 + 1$."""
-    half, density = h_0 / 2, 6 / sp.pi
+    half = h_0 / 2
+    end = half + sp.S.Half
     cap = sp.sqrt(sp.Rational(1, 4) - (_z - half) ** 2)
     mirrored = cap.subs(_z, -_z)
-    return mass_and_inertia(
-        (
-            (mirrored, -half - sp.Rational(1, 2), -half),
-            (sp.Rational(1, 2), -half, half),
-            (cap, half, half + sp.Rational(1, 2)),
-        ),
-        density,
-    )
+    profile = (mirrored, -end, -half), (sp.S.Half, -half, half), (cap, half, end)
+    return mass_and_inertia(profile, 6 / sp.pi)
 
 
 @derived("k^2_{round}")
@@ -93,15 +87,13 @@ def flat_contact() -> Pair:
 def _contact_checks(form: sp.Matrix) -> Residuals:
     """Residuals of contacts: virtual work, radius of curvature of the end, height at two tilts."""
     x_round, z_round, x_flat, z_flat = form
-    checks = []
     for x, z, curvature in ((x_round, z_round, diameter / 2), (x_flat, z_flat, 0)):
-        checks += [
+        yield from (
             x + z.diff(phi),
             z.diff(phi, 2) + z - curvature,
             z.subs(phi, 0) - length / 2,
             z.subs(phi, sp.pi / 2) - diameter / 2,
-        ]
-    return checks
+        )
 
 
 def _gyration_checks(form: sp.Matrix) -> Residuals:

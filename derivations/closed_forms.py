@@ -99,8 +99,8 @@ def _response() -> NamedForms:
     `held` is the friction over the critical one; at 1 the forms are those of slip-stick.
     """
     a, b, c, d = optimum.jacobian("back")
-    forms = (*optimum.stability_margins("back"), a - d, -4 * b * c)
-    names = ("steady", "alternating", "shrinking", "apart", "coupling")
+    forms = *optimum.stability_margins("back"), a - d, -4 * b * c
+    names = "steady", "alternating", "shrinking", "apart", "coupling"
     friction = _held * thin_rod.critical_friction()
     return {name: form.subs(mu, friction) for name, form in zip(names, forms, strict=True)}
 
@@ -177,7 +177,7 @@ FUNCTIONS = (
     *(
         _of_law(law, order, output, power)
         for law, output, power in (("poisson", "v_f", 1), ("stronge", "square", 2))
-        for order in ("early", "late")
+        for order in laws.ORDERS
     ),
     Function("energy_change", lambda: {"energy": laws.energy_of_impulse()}),
     # ---- rods, regime boundaries, drift ----

@@ -9,14 +9,14 @@ from .rewrites import Function
 def text(function: Function) -> str:
     """Text of a generated function: its head, docstring, assignments and return."""
     body, counts = function.body
-    words = {key: to_text(said) for key, said in function.words.items()}
+    words = function.words
     history = ", ".join(f"{rule} {operations}" for rule, operations in counts.items())
     doc = textwrap.wrap(to_text(f"{words['detail']} Operations: {history}."), 92)
     outputs = " ".join(str(name) for name in body if name in function.outputs)
     returned = words.get("returned", outputs).split()
     lines = [
         f"def {function.name}({', '.join(map(str, function.arguments))}):",
-        f'    """{words["summary"]}',
+        f'    """{to_text(words["summary"])}',
         "",
         *(f"    {line}" for line in doc),
         '    """',

@@ -143,8 +143,8 @@ def geometry() -> Figure:
     for letter, start, way, color in arrows:
         end = start + (way if letter == omega else way * _along(letter))
         style = {"arrowstyle": "-|>", "color": color, "lw": 1.6, "shrinkA": 0, "shrinkB": 0}
-        curved = {"connectionstyle": "arc3,rad=-0.4"} if letter == omega else {}
-        axes.annotate("", end, start, arrowprops=style | curved)
+        style["connectionstyle"] = "arc3,rad=-0.4" if letter == omega else "arc3"
+        axes.annotate("", end, start, arrowprops=style)
         words[latex(letter)] = end
     for word, corner in words.items():
         x, y = corner + 0.03

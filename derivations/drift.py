@@ -4,7 +4,7 @@ import sympy as sp
 
 from . import paper, second_routes, slide, slip_reversal, slip_stick
 from .axioms import CLOSURE, LANDING_PHASES, after_x, after_z
-from .bodies import THIN
+from .bodies import THIN, T, over_tangent
 from .equality import NamedForms, Pair, Residuals
 from .lecture import PAPER, degrees, number, so
 from .newton import g, velocity_change
@@ -21,10 +21,9 @@ from .symbols import (
     m,
     mu,
     omega,
-    phi,
     theta,
 )
-from .trace import derived, say, solve
+from .trace import derived, only_root, say, solve
 from .typeset import latex
 
 CASES = "stick", "back"
@@ -33,8 +32,7 @@ _IMPULSES = {"slide": slide.impulse, "stick": slip_stick.impulse, "back": slip_r
 
 def spin_at_landing() -> sp.Expr:
     """Spin omega before the mean landing, solved from the closure."""
-    (spin,) = solve(CLOSURE({})[0], omega, "The closure has no spin")
-    return spin
+    return only_root(CLOSURE({})[0], omega, "The closure has no spin")
 
 
 @derived("c'_x", "c'_z")
@@ -85,8 +83,8 @@ def _drifts() -> NamedForms:
 def cost_of_transport() -> sp.Expr:
     """Work of the plate, $P_z V_z$, per weight and distance of the flight that follows."""
     p_z = sp.Symbol("p_z")
-    (up,) = solve(CLOSURE({})[2], after_z)
-    (impulse,) = solve(c_z + velocity_change(p_z, "dc_z") - up, p_z)
+    up = only_root(CLOSURE({})[2], after_z)
+    impulse = only_root(c_z + velocity_change(p_z, "dc_z") - up, p_z)
     flight = 2 * up / g
     say("The flight lasts", "t", flight)
     return impulse * V_z / (m * g * c_x * flight)
@@ -125,27 +123,26 @@ def _balance_of_impulses(form: sp.Expr) -> Residuals:
     """
     s = X * Z / (k**2 + Z**2)
     lost = X * Z + mu * (k**2 + Z**2)
-    back, stick = sp.Rational(1, 2) * lost.subs(mu, 0), s / (mu + s) * lost
+    back, stick = sp.S.Half * lost.subs(mu, 0), s / (mu + s) * lost
     return [form - back / stick]
 
 
 def _slide_told() -> str:
-    falls = sp.Symbol("v_0", negative=True)
-    loss = slide_loss().subs(c_z, V_z + falls).subs(falls, -1).subs(X, 0)
+    loss = slide_loss().subs({c_z: V_z - 1, X: 0})  # v_0 = -1
     return so("negative for every friction above zero ($v_0 < 0$)", loss)
 
 
 def _again_told() -> str:
     """Note on the tilt above which the centre of a thin rod leaves more slowly than the plate."""
-    excess = centre_excess().subs(THIN) / V_z
-    thin = sp.cancel(excess.subs(epsilon, PAPER[epsilon]))
-    tilt = sp.asin(
-        sp.sqrt(sp.solve(thin.subs(sp.sin(phi) ** 2, X).subs(sp.cos(phi) ** 2, 1 - X), X)[0])
+    excess = over_tangent(centre_excess() / V_z).subs(PAPER)
+    (level,) = sp.solve(excess, T)
+    return so(
+        f"it leaves more slowly above {degrees(sp.atan(level))}, for a thin rod and the paper's "
+        f"restitution, {number(PAPER[epsilon])}",
+        -excess,
+        T,
+        level,
     )
-    words = (
-        f"it leaves more slowly above {degrees(tilt)}, for a thin rod and the paper's restitution, "
-    )
-    return so(words + number(PAPER[epsilon]), -thin, phi, tilt)
 
 
 EQUATIONS = (
@@ -159,11 +156,7 @@ EQUATIONS = (
     ),
     Equation("24", "drift in slip-stick", derive=lambda: stationary("stick")[0]),
     Equation("25", "vertical velocity in slip-stick", derive=lambda: stationary("stick")[1]),
-    Equation(
-        "26",
-        "drift of a thin rod in slip-stick",
-        derive=lambda: thin_stationary("stick")[0],
-    ),
+    Equation("26", "drift of a thin rod in slip-stick", derive=lambda: thin_stationary("stick")[0]),
     Equation("27", "drift in slip reversal", derive=lambda: stationary("back")[0]),
     Equation("28", "vertical velocity in slip reversal", derive=lambda: stationary("back")[1]),
     Equation(

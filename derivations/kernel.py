@@ -31,6 +31,7 @@ import sys
 from collections.abc import Callable, Iterator, Mapping
 from functools import cache, reduce
 from itertools import product
+from operator import or_
 from pathlib import Path
 from types import FrameType
 from typing import Any, NamedTuple
@@ -42,7 +43,7 @@ import sympy as sp
 from . import laws, slide, slip_reversal, slip_stick
 from .axioms import RESTITUTION
 from .equality import DIGITS, equal_at_random_points, value
-from .laws import A, B, C, a_1, a_2
+from .laws import LAWS, A, B, C, a_1, a_2
 from .newton import approach, spin_jump
 from .proof import Equation, Proof, Verdict
 from .rewrites import RESPONSES, SQUARES, K
@@ -72,7 +73,6 @@ Values = dict[str, Any]
 
 _IMPACT = Path(__file__).resolve().parent.parent / "impact"
 CLOSED_FORMS, KERNEL = _IMPACT / "_generated.py", _IMPACT / "_kernel.py"
-LAWS = "newton", "poisson", "stronge"
 SLIDE, STICK, BACK = 1, 2, 3  # codes of regimes; 0 is no impact
 _RETURNED = "c_x", "c_z", "omega", "regime", "P_x", "P_z", "slip", "v_f", "energy"
 # By function: a sum of its names, and how many roundings are left in it at most. Each is as large
@@ -177,10 +177,9 @@ def on_numbers(code: str, law: str, at: Situation) -> tuple[Any, list[bool], dic
 @remembered
 def given() -> list[sp.Expr]:
     """Arguments of an impact that has the letters' values once the code has mirrored it."""
-    ahead = {X: SIDE * X}
-    start = approach()
-    along, up = (c - start[w].subs(ahead) for c, w in ((c_x, u_0), (c_z, v_0)))
-    return [along + SIDE * u_0, up + v_0, omega, V_z, SIDE * X, Z, k, mu, epsilon]
+    u, v = (form.subs(X, SIDE * X) for form in approach().values())
+    before = c_x - u + SIDE * u_0, c_z - v + v_0
+    return [*before, omega, V_z, SIDE * X, Z, k, mu, epsilon]
 
 
 def history(at: Situation) -> int:
@@ -192,13 +191,14 @@ def history(at: Situation) -> int:
     """
     if at[v_0] >= 0:
         return 0
-    a, b, c = (value(laws.mobility()[letter].subs(m, 1), at) for letter in (A, B, C))
+    a, b, c = (value(form.subs(m, 1), at) for form in laws.mobility().values())
     friction, u, gain = at[mu], at[u_0], -(1 + at[epsilon]) * at[v_0]
-    end = gain / (a + friction * b)
-    stop = u / (b + friction * c) if u else u
-    stops = stop >= 0 and (a + friction * b) * stop < gain
+    n, t = a + friction * b, b + friction * c  # N and T over k^2
+    end = gain / n
+    stop = u / t if u else u
+    stops = stop >= 0 and n * stop < gain
     histories = (
-        u > 0 and end > 0 and u >= (b + friction * c) * end,
+        u > 0 and end > 0 and u >= t * end,
         stops and abs(b) <= friction * c and b * b < a * c,
         stops and friction * c < b and friction * b < a,
     )
@@ -207,7 +207,7 @@ def history(at: Situation) -> int:
 
 def _final_velocity(law: str, regime: int, order: str) -> sp.Expr:
     """Final normal velocity v_f, as derived for a law, a regime, and an early or late stop."""
-    if regime == SLIDE or law == "newton":
+    if regime == SLIDE:
         return RESTITUTION({})
     slopes = laws.slopes()
     after = slopes["stick" if regime == STICK else "back"]
@@ -243,8 +243,7 @@ def _returned(law: str, regime: int, order: str) -> list[sp.Expr]:
 def _wrong_letters(code: str, law: str, at: Situation, path: list[bool]) -> Iterator[str]:
     """Messages on results that are not as derived, in letters along the path of a situation."""
     early = at[u_0] == 0 or value(slide.stop()[2].subs(m, 1), at) < 0
-    known = {letter: sp.S.Zero for letter in at if at[letter] == 0}
-    known[SIDE] = sp.Integer(at[SIDE])
+    known = {letter: 0 for letter in at if at[letter] == 0} | {SIDE: at[SIDE]}
     decisions = iter(path)
     space = loaded(code, choices(lambda _: next(decisions)) | _ON_LETTERS)
     found = space["impact"](space[law], tuple(form.subs(known) for form in given()))
@@ -259,7 +258,7 @@ def _wrong_letters(code: str, law: str, at: Situation, path: list[bool]) -> Iter
 
 def wrong_roundings(found: Mapping[str, Values]) -> Iterator[str]:
     """Messages on claims of `ACCURATE` that do not hold in a run."""
-    whole_run = {name: x for names in found.values() for name, x in names.items()}
+    whole_run: Values = reduce(or_, found.values(), {})
     for function in ACCURATE.keys() & found.keys():  # Newton's law calls no `after_stop`
         names = whole_run | found[function]
         for claim in ACCURATE[function]:

@@ -19,7 +19,7 @@ from .equality import DIGITS, Pair, Residuals
 from .lecture import PAPER, degrees, meaning, number
 from .proof import Equation
 from .symbols import V_z, epsilon, phi, theta
-from .trace import derived, solve
+from .trace import derived, only_root
 
 q = sp.Symbol("q", positive=True)  # |c_z|/V_0
 theta_0, theta_s = sp.symbols("theta_0 theta_s", real=True)  # end and start of the landing phases
@@ -58,9 +58,8 @@ def density() -> sp.Expr:
 def consistent_alpha() -> Pair:
     """The fall that the closure asks for, and the $b$ with which it is as fast as the plate."""
     fitting = sp.Symbol("{V_z/V_0}", positive=True)
-    (alpha,) = solve(mean_speed(False).subs(q, bounce * fitting) - fitting, fitting)
-    (least,) = solve(bounce * alpha - 1, bounce)
-    return alpha, least
+    alpha = only_root(mean_speed(False).subs(q, bounce * fitting) - fitting, fitting)
+    return alpha, only_root(bounce * alpha - 1, bounce)
 
 
 @derived(r"\sin^2\phi")
@@ -68,8 +67,7 @@ def tilt_of_one_half() -> sp.Expr:
     """Of the tilt at which a thin rod lands with $V_z = V_0/2$ by the closure."""
     square = sp.Symbol(r"{\sin^2\phi}", positive=True)
     up = (thin_stationary("stick")[1] / V_z).subs(sp.sin(phi) ** 2, square)
-    (value,) = solve(up - consistent_alpha()[1], square)
-    return value
+    return only_root(up - consistent_alpha()[1], square)
 
 
 def _first_contact(fall: mpmath.mpf, line: mpmath.mpf, before: mpmath.mpf) -> mpmath.mpf:
@@ -93,16 +91,15 @@ def _first_contact(fall: mpmath.mpf, line: mpmath.mpf, before: mpmath.mpf) -> mp
     raise ValueError("this rod meets no plate")
 
 
-def _touched(fall: mpmath.mpf, digits: int) -> tuple[mpmath.mpf, dict[sp.Symbol, sp.Float]]:
+def _touched(fall: mpmath.mpf) -> tuple[mpmath.mpf, dict[sp.Symbol, mpmath.mpf]]:
     """Line of the rod that the plate just touches as it turns away, with theta_0, theta_s and q.
 
-    The rod's height is its line less fall times theta; the letters' values have so many digits.
+    The rod's height is its line less fall times theta.
     """
     end = mpmath.acos(-fall)
     line = fall * end + mpmath.sin(end)
     start = _first_contact(fall, line, end) - 2 * mpmath.pi
-    phases = {theta_0: end, theta_s: start, q: fall}
-    return line, {letter: sp.Float(str(value), digits) for letter, value in phases.items()}
+    return line, {theta_0: end, theta_s: start, q: fall}
 
 
 def _shadow_of_a_rod(form: sp.Expr) -> Residuals:
@@ -112,8 +109,8 @@ def _shadow_of_a_rod(form: sp.Expr) -> Residuals:
     formula for theta_0.
     """
     with mpmath.workdps(DIGITS + 30):
-        _, phases = _touched(mpmath.mpf(3) / 5, 60)
-    return [form.subs(phases), meaning(theta_0, q).subs(phases) - phases[theta_0]]
+        _, phases = _touched(mpmath.mpf(3) / 5)
+        return [form.subs(phases), meaning(theta_0, q).subs(phases) - phases[theta_0]]
 
 
 def _rods_counted(form: sp.Expr) -> Residuals:
@@ -124,14 +121,14 @@ def _rods_counted(form: sp.Expr) -> Residuals:
     """
     with mpmath.workdps(20):
         fall = mpmath.mpf(1) / 5
-        line, phases = _touched(fall, 20)
+        line, phases = _touched(fall)
 
         def met(height: mpmath.mpf) -> mpmath.mpf:
             return mpmath.cos(_first_contact(fall, height, (height - 1) / fall - mpmath.pi))
 
         strip = 2 * mpmath.pi * fall
         counted = mpmath.quad(met, [line, line + strip]) / strip
-        residual = form.subs(phases) - sp.Float(str(counted), 20)
+        residual = form.subs(phases) - counted
     return [0 if abs(residual) < 1e-10 else residual]
 
 
@@ -145,8 +142,7 @@ def _fast_quadrature(form: sp.Expr) -> Residuals:
                 lambda x: (speed + mpmath.cos(x)) * mpmath.cos(x) ** n, [0, mpmath.pi]
             )
 
-        number = sp.Float(str(moment(1) / moment(0)), DIGITS + 25)
-    return [form.subs(q, sp.Rational(17, 10)) - number]
+        return [form.subs(q, sp.Rational(17, 10)) - moment(1) / moment(0)]
 
 
 def _consistent_checks(form: sp.Matrix) -> Residuals:
@@ -200,10 +196,8 @@ def _closure_told() -> str:
 EQUATIONS = (
     Equation(
         "V: flux of impacts",
-        (
-            "density of landing phases in proportion to the velocity of approach, "
-            "$q = |c_z|/V_0$, at the phases that are met"
-        ),
+        "density of landing phases in proportion to the velocity of approach, "
+        "$q = |c_z|/V_0$, at the phases that are met",
         r"H(\theta)",
         derive=density,
         check=_density_checks,
@@ -234,10 +228,8 @@ EQUATIONS = (
     ),
     Equation(
         "V: alpha and closure",
-        (
-            "$V_z/V_0$ if the rod falls as fast as the closure has it rise, $q = b V_z/V_0$ "
-            "with $b = c'_z/V_z$; and the smallest $b$ for which it holds, with $q \\ge 1$"
-        ),
+        "$V_z/V_0$ if the rod falls as fast as the closure has it rise, $q = b V_z/V_0$ "
+        "with $b = c'_z/V_z$; and the smallest $b$ for which it holds, with $q \\ge 1$",
         "(V_z/V_0, b_{min})",
         derive=consistent_alpha,
         check=_consistent_checks,

@@ -56,7 +56,8 @@ from copy import deepcopy
 from typing import Any, NamedTuple, TypeAlias
 
 from . import files
-from .kernel import CODE, KERNEL, LAWS, functions, loaded
+from .kernel import CODE, KERNEL, functions, loaded
+from .laws import LAWS
 from .paper import text_of
 
 _TEXTS = tomllib.loads(text_of("languages.toml"))
@@ -223,7 +224,8 @@ class _Inlined(ast.NodeTransformer):
             case ast.Name(name), _:
                 self.names[name] = ast.Name(self.fresh(name))
                 self.lines.append(_Assigned(self.routine, self.names[name], value))
-                self.steps |= {self.names[name]} if step else set()
+                if step:
+                    self.steps.add(self.names[name])
 
     def fresh(self, name: str) -> str:
         """Return a name that nothing has so far, and take it."""

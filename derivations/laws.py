@@ -40,8 +40,10 @@ from .symbols import (
     v_0,
     v_f,
 )
-from .trace import derived, remembered, say, solve
+from .trace import derived, only_root, remembered, say, solve
 
+LAWS = "newton", "poisson", "stronge"
+ORDERS = "early", "late"
 a_1, a_2 = sp.symbols("a_1 a_2", positive=True)
 # Inverse inertia of the contact point: du = C P_x - B P_z, dv = A P_z - B P_x.
 A, B, C = sp.symbols("A B C", positive=True)
@@ -94,8 +96,7 @@ def _velocity(p: sp.Expr) -> sp.Expr:
 def compression(order: str) -> sp.Expr:
     """Normal impulse at the end of compression."""
     line = _velocity(P_z) if order == "early" else v_0 + a_1 * P_z
-    (p_c,) = solve(line, P_z)
-    return p_c
+    return only_root(line, P_z)
 
 
 @derived()
@@ -122,8 +123,7 @@ def final_velocity(law: str, order: str) -> sp.Expr:
     square = sp.Symbol("v_f^2", positive=True)
     p_f = P_1 + (sp.sqrt(square) - V_1) / a_2
     done = work(order, p_f)
-    (value,) = solve(sp.expand(done[W_r] + epsilon**2 * done[W_c]), square)
-    return sp.sqrt(value)
+    return sp.sqrt(only_root(sp.expand(done[W_r] + epsilon**2 * done[W_c]), square))
 
 
 @derived("P_x", "P_z")
@@ -187,7 +187,7 @@ def energy_by_poisson(regime: str, order: str) -> sp.Expr:
     held, whole = HELD[regime], P_1 + P_2
     known = {a_1: A + mu * B, a_2: A - B * held}
     compressed = sp.factor(whole / (1 + _restitution()))
-    (v_start,) = solve(compression(order) - compressed, v_0)
+    v_start = only_root(compression(order) - compressed, v_0)
     change = _energy(-mu * P_1 + held * P_2, whole)
     change = change.subs({u_0: (mu * C + B) * P_1, v_0: v_start}).subs(known)
     lost = change.diff(kappa) * kappa  # it is linear in kappa
@@ -226,7 +226,6 @@ def _areas(form: sp.Matrix) -> Residuals:
 
     The areas are those under the broken lines of v, and of u times -+mu, over P_z.
     """
-    checks = []
     for change, (regime, order) in zip(form, _ENDS, strict=True):
         compressed = (P_1 + P_2) * (1 + kappa) / 2
         rise, rise_later = A + mu * B, A - (mu * B if regime == "back" else B**2 / C)
@@ -238,8 +237,7 @@ def _areas(form: sp.Matrix) -> Residuals:
         friction = -mu * (mu * C + B) * P_1**2 / 2
         if regime == "back":
             friction -= mu * (B - mu * C) * P_2**2 / 2
-        checks.append(normal + friction - change)
-    return checks
+        yield normal + friction - change
 
 
 def _created(regime: str, ratio: sp.Expr) -> sp.Expr:
@@ -249,7 +247,7 @@ def _created(regime: str, ratio: sp.Expr) -> sp.Expr:
 
 
 _LEAST = sp.pi / 4  # tilt of the least threshold of a thin rod
-_ENDS = [(regime, order) for order in ("early", "late") for regime in HELD]
+_ENDS = [(regime, order) for order in ORDERS for regime in HELD]
 
 
 def _threshold_told(regime: str) -> str:
@@ -287,7 +285,7 @@ def _under(name: str, shown: Pair, check: Callable[[sp.Matrix], Residuals]) -> E
         f"laws: {name}",
         f"$v_f$ under {name}'s restitution: slip stops before the end of compression (early), late",
         "(v_{f, early}, v_{f, late})",
-        derive=lambda: tuple(final_velocity(name.lower(), o) for o in ("early", "late")),
+        derive=lambda: tuple(final_velocity(name.lower(), order) for order in ORDERS),
         shown=shown,
         check=check,
     )
@@ -324,9 +322,7 @@ EQUATIONS = (
         "where the slip does not stop the three laws say the same",
         "v_f^2",
         derive=lambda: tuple(
-            final_velocity(law, order).subs(a_2, a_1) ** 2
-            for law in ("newton", "poisson", "stronge")
-            for order in ("early", "late")
+            final_velocity(law, order).subs(a_2, a_1) ** 2 for law in LAWS for order in ORDERS
         ),
         where=lambda: {"v_f": RESTITUTION({})},
         # the same share of the work on one line of v over P_z
@@ -336,10 +332,8 @@ EQUATIONS = (
         "laws: energy, Poisson",
         "energy change under Poisson's law: slip stops early (slip-stick, slip "
         "reversal), late (the same)",
-        (
-            r"(\Delta E_{early, stick}, \Delta E_{early, back}, \Delta E_{late, stick}, "
-            r"\Delta E_{late, back})"
-        ),
+        r"(\Delta E_{early, stick}, \Delta E_{early, back}, \Delta E_{late, stick}, "
+        r"\Delta E_{late, back})",
         derive=lambda: tuple(energy_by_poisson(*end) for end in _ENDS),
         check=_areas,
         note=_poisson_told,

@@ -149,11 +149,7 @@ EQUATIONS = (
         r"I d\boldsymbol{\omega}",
         derive=lambda: moment * spin_change(P_x, P_z, TO_TIP, moment),
     ),
-    Equation(
-        "3",
-        "velocity of the contact point",
-        derive=lambda: contact_velocity(TO_TIP),
-    ),
+    Equation("3", "velocity of the contact point", derive=lambda: contact_velocity(TO_TIP)),
     Equation(
         "4",
         "acceleration of the contact point, vector form",

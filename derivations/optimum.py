@@ -18,7 +18,7 @@ from .lecture import PAPER, degrees, formula, number, so
 from .proof import Equation
 from .slide import slide_excess
 from .symbols import V_z, X, Z, c_x, c_z, epsilon, k, mu, u_0, v_0
-from .trace import derived, solve
+from .trace import derived, only_root, solve
 from .typeset import latex
 
 
@@ -33,7 +33,7 @@ def optimum(case: str) -> Pair:
     """Tangent of the tilt of the largest drift in one regime, and that drift over $V_z$."""
     drift = drift_over_tangent(case)
     roots = solve(sp.numer(sp.together(drift.diff(T))), T)
-    at = {mu: sp.Rational(3, 10), epsilon: sp.Rational(1, 2)}
+    at = {mu: sp.Rational(3, 10), epsilon: sp.S.Half}
     (best,) = (root for root in roots if root.subs(at).evalf() > 0)
     return best, drift.subs(T, best)
 
@@ -69,15 +69,14 @@ def slip_left(case: str) -> sp.Expr:
 @derived(r"\mu_P")
 def painleve_friction() -> sp.Expr:
     """Friction at which slip towards $-x$ presses the contact into the plate, $XZ > 0$."""
-    (friction,) = solve(slopes()["back"], mu)
-    return friction
+    return only_root(slopes()["back"], mu)
 
 
 @derived(r"\tan\phi", r"\mu_P")
 def least_painleve_friction() -> Pair:
     """Tangent of the tilt at which that friction is least for a thin rod, and that friction."""
     friction = over_tangent(painleve_friction())
-    (best,) = solve(friction.diff(T), T)
+    best = only_root(friction.diff(T), T)
     return best, friction.subs(T, best)
 
 
@@ -101,25 +100,20 @@ def _response(case: str) -> sp.Matrix:
 
 def _margins(form: sp.Matrix) -> Residuals:
     """Residuals of the margins: characteristic polynomial at 1 and -1, one minus its value at 0."""
-    x = sp.Symbol("x")
-    checks = []
-    for case, start in zip(CASES, (0, 3), strict=True):
-        a, b, c, d = _response(case)
-        polynomial = (x - a) * (x - d) - b * c
-        wanted = polynomial.subs(x, 1), polynomial.subs(x, -1), 1 - polynomial.subs(x, 0)
-        checks += sp.Matrix(wanted) - sp.Matrix(form[start : start + 3])
-    return checks
+    wanted: list[sp.Expr] = []
+    for case in CASES:
+        polynomial = _response(case).charpoly()
+        wanted += polynomial(1), polynomial(-1), 1 - polynomial(0)
+    return sp.Matrix(wanted) - form
 
 
 def _slide_from_the_landing(form: sp.Matrix) -> Residuals:
     """Residuals of the slip that a slide leaves, from a whole impact that starts at the landing."""
     v_x, _, spin = second_routes.landed("slide")
     left = v_x - spin * Z
-    checks = []
     for case, value in zip(CASES, form, strict=True):
         start = dict(zip((c_x, c_z), second_routes.landing(case), strict=True))
-        checks.append(left.subs(start, simultaneous=True) - value)
-    return checks
+        yield left.subs(start, simultaneous=True) - value
 
 
 def _pressed_in(form: sp.Expr) -> Residuals:
@@ -217,10 +211,7 @@ EQUATIONS = (
     ),
     Equation(
         "Painleve: friction",
-        (
-            "friction from which a contact that slips towards $-x$ is pressed into the "
-            "plate, $XZ > 0$"
-        ),
+        "friction from which a contact that slips towards $-x$ is pressed into the plate, $XZ > 0$",
         r"\mu_P",
         derive=painleve_friction,
         check=_pressed_in,

@@ -53,7 +53,7 @@ def determinant() -> sp.Expr:
 @cache
 def _kinetic_energy() -> sp.Expr:
     """Kinetic energy of both bodies after P; each keeps its spin about the contact point."""
-    energy = sp.S.Zero
+    energy = 0
     for letters, sign in ((FIRST, 1), (SECOND, -1)):
         M, K, x, z, v_x, v_z, spin = letters.values()
         after_x, after_z = v_x + sign * P_x / M, v_z + sign * P_z / M

@@ -30,7 +30,7 @@ import sympy as sp
 
 from . import paper, trace
 from . import symbols as s
-from .equality import Form, Forms, Residuals, components, equal, is_zero, random_point, same
+from .equality import Form, Residuals, components, equal, is_zero, random_point, same
 from .typeset import tidy
 
 Verdict = Literal["", "agrees", "erratum", "assumed", "new", "noted"]
@@ -127,7 +127,7 @@ class Equation:
     mistake: str = ""
     contradicted_by: tuple[str, ...] = ()
     contradiction: Callable[..., Form] | None = None
-    at: Forms | None = None
+    at: Mapping[sp.Symbol, Any] | None = None
     check: Callable[[Form], Residuals] | None = None
 
     def __post_init__(self) -> None:
@@ -337,9 +337,8 @@ def _agrees(eq: Equation) -> Proof:
 
 def _erratum(eq: Equation) -> Proof:
     derived = eq.derive()
-    forms = (*components(eq.printed), *components(derived))
-    free = sp.Tuple(*forms).free_symbols
-    point = {**random_point(free, seed=0), **EXAMPLE, **(eq.at or {})}
+    free = sp.Tuple(eq.printed, derived).free_symbols
+    point = sp.Dict({**random_point(free, seed=0), **EXAMPLE, **(eq.at or {})})
     pairs = [
         (x.subs(point), y.subs(point))
         for x, y in zip(components(eq.printed), components(derived), strict=True)

@@ -56,8 +56,7 @@ def impact(regime: str) -> State:
 
 def landed(regime: str) -> State:
     """(c_x', c_z', omega') after a landing without spin in a regime."""
-    v_x, v_z, spin = (part.subs(omega, 0) for part in impact(regime))
-    return v_x, v_z, spin
+    return tuple(part.subs(omega, 0) for part in impact(regime))
 
 
 @cache

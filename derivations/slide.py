@@ -8,7 +8,7 @@ from .newton import approach, contact_change, velocity_change
 from .paper import LETTERS
 from .proof import Equation, Repair
 from .symbols import F_z, P_x, P_z, c_x, c_z, u_0, v_0
-from .trace import derived, say, solve
+from .trace import derived, only_root, say
 from .typeset import latex
 
 
@@ -34,7 +34,7 @@ def impulse() -> Pair:
     """The total impulse of a slide."""
     parting = normal_velocity(), RESTITUTION({})
     sentence = f"The contact parts at $v = {latex(parting[1])}$; solved for $P_z$"
-    (p_z,) = solve(parting, P_z, sentence)
+    p_z = only_root(parting, P_z, sentence)
     return friction(p_z, 1), p_z
 
 
@@ -47,7 +47,7 @@ def by_speeds(form: sp.Expr) -> sp.Expr:
 @derived("P_x(t_1)", "P_z(t_1)", "v_1")
 def stop() -> Triple:
     """The impulse at which the slip stops, put into the normal velocity."""
-    (p_z,) = solve(slip_velocity(), P_z, "The slip stops at $u = 0$; solved for $P_z$")
+    p_z = only_root(slip_velocity(), P_z, "The slip stops at $u = 0$; solved for $P_z$")
     return friction(p_z, 1), p_z, by_speeds(normal_velocity(p_z))
 
 
@@ -59,8 +59,8 @@ def cm_velocity(p_x: sp.Expr, p_z: sp.Expr) -> Pair:
     if not any(c.has(u_0, v_0) for c in after):
         return after
     say("The impulse put into (10) and (11)", "c'_x", "c'_z", after)
-    letters, before = map(tuple, (approach(), approach().values()))
-    say("Before the impact, by (3) with the lever $(-X, -Z)$", *map(latex, letters), before)
+    sentence = "Before the impact, by (3) with the lever $(-X, -Z)$"
+    say(sentence, *map(latex, approach()), tuple(approach().values()))
     return tuple(c.subs(approach()) for c in after)
 
 
@@ -79,11 +79,7 @@ def _impulse_put_in(impulse_of: sp.Expr, velocity: sp.Expr) -> sp.Expr:
 
 
 EQUATIONS = (
-    Equation(
-        "7",
-        "slip velocity left at separation",
-        derive=slip_velocity,
-    ),
+    Equation("7", "slip velocity left at separation", derive=slip_velocity),
     Equation("8", "normal impulse of a slide", derive=lambda: impulse()[1]),
     Equation("9", "tangential impulse of a slide", derive=lambda: impulse()[0]),
     Equation(

@@ -33,11 +33,7 @@ def final_slip() -> sp.Expr:
 _UNTIL_STOP = "B1"  # impulse until the slip stops
 
 EQUATIONS = (
-    Equation(
-        "20",
-        "condition of slip reversal",
-        derive=lambda: sp.Lt(stick_margin(), 0),
-    ),
+    Equation("20", "condition of slip reversal", derive=lambda: sp.Lt(stick_margin(), 0)),
     Equation(
         "B6",
         "slip velocity at separation after reversal",
@@ -49,11 +45,7 @@ EQUATIONS = (
         "v_f",
         derive=lambda: v_1 + reversed_change(P_z - P_1)[1],
     ),
-    Equation(
-        "B8",
-        "normal impulse of slip reversal",
-        derive=lambda: impulse()[1],
-    ),
+    Equation("B8", "normal impulse of slip reversal", derive=lambda: impulse()[1]),
     Equation("B9", "tangential impulse of slip reversal", derive=lambda: impulse()[0]),
     Equation("B10", "slip velocity at separation after reversal", derive=final_slip),
     Equation(

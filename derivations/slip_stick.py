@@ -18,7 +18,7 @@ from .symbols import (
     mu,
     v_1,
 )
-from .trace import derived, say, solve
+from .trace import derived, only_root, say
 from .typeset import latex
 
 P_2 = sp.Symbol("P_2", positive=True)  # normal impulse after the slip has stopped
@@ -28,8 +28,7 @@ P_2 = sp.Symbol("P_2", positive=True)  # normal impulse after the slip has stopp
 def sticking_force() -> sp.Expr:
     """The friction force that keeps the contact point at rest: (5) without acceleration."""
     sentence = "The contact point rests, so that (5) is zero; solved for $F_x$"
-    (force,) = solve(contact_force(0), F_x, sentence)
-    return force
+    return only_root(contact_force(0), F_x, sentence)
 
 
 @derived(r"\mu - |F_x|/F_z")
@@ -55,7 +54,7 @@ def until_parting(rise: Callable[[sp.Expr], sp.Expr], push: Callable[[sp.Expr], 
     p_x, p_z, v = stop()
     parting = v + rise(P_2), RESTITUTION({})
     sentence = f"The contact parts at $v_f = {latex(parting[1])}$"
-    (extra,) = solve(parting, P_2, f"{sentence}; solved for $P_2 = P_z(t_f) - P_z(t_1)$")
+    extra = only_root(parting, P_2, f"{sentence}; solved for $P_2 = P_z(t_f) - P_z(t_1)$")
     extra = by_speeds(extra)
     say("The impulse after the stop", "P_2", extra)
     return by_speeds(p_x + push(extra)), by_speeds(p_z + extra)
@@ -77,7 +76,7 @@ EQUATIONS = (
         "normal contact velocity at separation, first line",
         "v_f",
         derive=lambda: v_1 + sticking_velocity(P_z - P_1),
-        at={m: sp.Integer(2), v_1: sp.Integer(0), P_1: sp.Integer(0), P_z: sp.Integer(1)},
+        at={m: 2, v_1: 0, P_1: 0, P_z: 1},
         repair=(Repair(r"\int", r"\frac{1}{m} \int"),),
         contradicted_by=("B3: second line",),
         contradiction=lambda line: v_1 + line - line.subs(P_z, P_1),

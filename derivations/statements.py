@@ -16,7 +16,7 @@ from .equality import DIGITS, Residuals
 from .lecture import PAPER, degrees, formula, number
 from .proof import Equation
 from .symbols import c_x, c_z, epsilon, h_0, length, mu, phi
-from .trace import derived, solve
+from .trace import derived, only_root
 from .typeset import latex
 
 stiffness, damping, speed, mass = sp.symbols("k_n gamma_n v_n m_r", positive=True)
@@ -52,10 +52,8 @@ def restitution_lost() -> sp.Expr:
     """
     power = sp.Symbol("y", positive=True)  # overlap to the power 5/2
     energy = sp.Rational(2, 5) * stiffness * power
-    (deepest,) = (
-        y ** sp.Rational(2, 5)
-        for y in solve(energy - mass * speed**2 / 2, power, r"$y = \delta^{5/2}$")
-    )
+    highest = only_root(energy - mass * speed**2 / 2, power, r"$y = \delta^{5/2}$")
+    deepest = highest ** sp.Rational(2, 5)
     # x sqrt(1 - x^(5/2)) from 0 to 1, x the overlap over the deepest, is a beta function
     shape = sp.Rational(2, 5) * sp.beta(sp.Rational(4, 5), sp.Rational(3, 2))
     work = 2 * damping * mass * speed * deepest**2 * shape
@@ -71,8 +69,9 @@ def _relaxed(form: sp.Expr) -> Residuals:
 
 def _lost_by_quadrature(form: sp.Expr) -> Residuals:
     """Residual of 1 - e: work over the path in and out, by quadrature, over twice the energy."""
+    at = {stiffness: 2, damping: 3, mass: 4, speed: 5}
     with mpmath.workdps(DIGITS + 30):
-        k, gamma, m, v = map(mpmath.mpf, range(2, 6))
+        k, gamma, m, v = map(mpmath.mpf, at.values())
         deepest = (5 * m * v**2 / (4 * k)) ** mpmath.mpf("0.4")
 
         def power(x: mpmath.mpf) -> mpmath.mpf:
@@ -80,10 +79,7 @@ def _lost_by_quadrature(form: sp.Expr) -> Residuals:
             return gamma * m * x * mpmath.sqrt(max(left, 0))
 
         lost = 2 * mpmath.quad(power, [0, deepest]) / (m * v**2)
-        number = sp.Float(str(lost), DIGITS + 25)
-    return [
-        form.subs(dict(zip((stiffness, damping, mass, speed), range(2, 6), strict=True))) - number
-    ]
+        return [form.subs(at) - lost]
 
 
 _APPENDIX_A = {  # in d, g and virtual spheres
@@ -92,7 +88,7 @@ _APPENDIX_A = {  # in d, g and virtual spheres
     speed: 1,
 }
 _MASSES = {  # reduced, by what touches; lengths in d, caps included
-    "two virtual spheres": sp.Rational(1, 2),
+    "two virtual spheres": sp.S.Half,
     "one and the plate": sp.S.One,
     "a rod and the plate": paper.printed("[12]: mass").subs(
         h_0, paper.setting("Fig. 6")[length] - 1
@@ -167,7 +163,7 @@ _DIMENSIONS = {
     for name in names
 }
 _OVERLAP = paper.LETTERS[r"\delta"]
-_LENGTHS = {MASS: sp.Integer(1), LENGTH: sp.Integer(4), TIME: sp.Integer(1)}
+_LENGTHS = {MASS: 1, LENGTH: 4, TIME: 1}
 
 
 def _law(name: str) -> str:
@@ -186,8 +182,7 @@ def _needed(name: str, without: sp.Expr = sp.S.One) -> sp.Expr:
     letter = paper.LETTERS[name]
     term = letter * _with(paper.printed(_law(name)), name) / without.subs(_DIMENSIONS)
     sentence = f"Its term is a force; solved for ${sp.latex(letter)}$"
-    (value,) = solve((term, FORCE), letter, sentence)
-    return value
+    return only_root((term, FORCE), letter, sentence)
 
 
 def _of_d_g_m(constant: str) -> str:
@@ -201,8 +196,7 @@ def _of_d_g_m(constant: str) -> str:
 def _duration() -> sp.Expr:
     """Dimension of a time, solved from a speed times it being a length."""
     duration = sp.Symbol("Delta_t", positive=True)
-    (value,) = solve((SPEED * duration, LENGTH), duration, "A speed times it is a length")
-    return value
+    return only_root((SPEED * duration, LENGTH), duration, "A speed times it is a length")
 
 
 def _unit(tag: str) -> sp.Expr:
@@ -226,7 +220,7 @@ def _wrong_unit(
     form : gives what is judged, from a function that gives the dimension of a constant
     constants : each with the factor of its force that the mistake leaves out
     """
-    (factor, *_) = constants.values()
+    factor, *_ = constants.values()
 
     def by_printed_laws(*laws: sp.Expr) -> sp.Expr:
         law_of = dict(zip(constants, laws, strict=True))

@@ -11,7 +11,7 @@ from .proof import Equation
 from .slide import slide_excess
 from .slip_stick import stick_margin
 from .symbols import V_z, X, Z, c_x, c_z, epsilon, k, length, mu, omega, phi, u_0, v_0
-from .trace import derived, say, solve
+from .trace import derived, only_root, say, solve
 
 ratio = sp.Symbol("r", positive=True)  # approach ratio -c_z/c_x, for omega = 0 and V_z = 0
 
@@ -19,8 +19,7 @@ ratio = sp.Symbol("r", positive=True)  # approach ratio -c_z/c_x, for omega = 0 
 @derived(r"\mu")
 def critical_friction() -> sp.Expr:
     """The friction at which sticking just holds, any geometry, $XZ > 0$."""
-    (value,) = solve(stick_margin(), mu, r"The edge of (16), solved for $\mu$")
-    return value
+    return only_root(stick_margin(), mu, r"The edge of (16), solved for $\mu$")
 
 
 @derived(r"\mu_{slide}")
@@ -28,8 +27,7 @@ def slide_friction() -> sp.Expr:
     """The friction at which the slip just reaches the end, any geometry, with $r = -v_0/u_0$."""
     excess = slide_excess().subs(v_0, -ratio * u_0)
     say("(14) with this ratio", "u_*", excess)
-    (value,) = solve(excess, mu, r"Its numerator, solved for $\mu$")
-    return value
+    return only_root(excess, mu, r"Its numerator, solved for $\mu$")
 
 
 @derived(r"\mu_{slide}")
@@ -60,7 +58,7 @@ def _reversal() -> sp.Expr:
 
 def _at_one_half(root: sp.Expr) -> sp.Expr:
     """Sort key of roots: their value at mu = 1/2, where both are real."""
-    return root.subs(mu, sp.Rational(1, 2))
+    return root.subs(mu, sp.S.Half)
 
 
 @derived(r"\tan\phi_{lower}", r"\tan\phi_{upper}")
@@ -91,7 +89,7 @@ def largest_reversal_friction() -> Pair:
     """The largest friction at which a thin rod slips back, and the tangent of its tilt."""
     mu_of = over_tangent(critical_friction())
     say("The edge of (16) as a function of the tangent", r"\mu", mu_of)
-    (best,) = solve(mu_of.diff(T), T, "Its derivative vanishes where it is largest")
+    best = only_root(mu_of.diff(T), T, "Its derivative vanishes where it is largest")
     return mu_of.subs(T, best), best
 
 
@@ -136,9 +134,9 @@ def _lying_slide(condition: sp.Expr) -> sp.Expr:
 
 _MU_C = -c_x / (4 * c_z * (1 + epsilon))
 _FLAT = sp.pi / 2
-_UPRIGHT, _OVERLOOKING = sp.Integer(0), sp.pi / 4  # tilts by which two mistakes come out
+_UPRIGHT, _OVERLOOKING = 0, sp.pi / 4  # tilts by which two mistakes come out
 _ORDER = 3
-_TWICE = sp.Integer(2)  # factor by which a third one does
+_TWICE = 2  # factor by which a third one does
 _THERE = {mu: sp.Rational(3, 5)}  # where (23) is said to end
 
 

@@ -206,3 +206,9 @@ def solve(forms: Any, unknowns: Any, meant: str = "") -> Any:
     # SymPy takes longer to simplify a root than to find it
     roots = sp.solve(differences[0], unknowns, simplify=False)
     return [sp.factor(x) if x.is_rational_function() else sp.simplify(x) for x in roots]
+
+
+def only_root(form: Any, unknown: sp.Symbol, meant: str = "") -> sp.Expr:
+    """Solve an equation that has one root, as `solve` does; ValueError if it has more or none."""
+    (found,) = solve(form, unknown, meant)
+    return found

@@ -10,7 +10,7 @@
 Files, as one reads them
 ------------------------
 paper, theory, checks, cost         rooms: one module for each of `FIGURES`, and what they share
-lib                                 style, runs, soft and exact impacts, printing, files
+lib                                 style, runs, bounces, soft and exact impacts, printing, files
 claims                              the paper's claims, the numbers behind them, the verdicts
 pages                               one page of everything, README, animation, window of sliders
 early_signals                       signals during imports

@@ -5,7 +5,6 @@ What is heavy is imported within the commands: help and list need no Numba and n
 
 import json
 import os
-from contextlib import AbstractContextManager
 from math import isfinite
 from pathlib import Path
 from time import perf_counter
@@ -23,15 +22,10 @@ PRICES = "prices.txt", "prices.json", "prices.png"
 CLAIMS, PAGES = ("claims.json", "claims.md"), ("impact.html", "index.html")
 
 
-def _replacing(path: Path) -> AbstractContextManager[Path]:
-    """A file to write beside `path`, which takes its place once it is whole."""
+def _write_text(path: Path, text: str) -> None:
     from md.files import replacing
 
-    return replacing(path)
-
-
-def _write_text(path: Path, text: str) -> None:
-    with _replacing(path) as part:
+    with replacing(path) as part:
         part.write_text(text, encoding="utf-8")
 
 
@@ -44,6 +38,11 @@ def _path(name: str, what: str, default: str | None = None, metavar: str = "FILE
     return click.option(
         name, type=click.Path(path_type=Path), default=default, metavar=metavar, help=what
     )
+
+
+def _number(name: str, what: str, metavar: str | None = None) -> Any:
+    """An option whose value is a number."""
+    return click.option(name, type=float, metavar=metavar, help=what)
 
 
 _out = _path("--out", "Folder.", "out", "DIR")
@@ -88,9 +87,9 @@ def list_figures() -> None:
 )
 @_path("--data", "Draw what a folder holds as NAME.npz; compute nothing.", metavar="DIR")
 @click.option("--numbers", is_flag=True, help="Print the numbers of each figure as tables.")
-@click.option("--friction", type=float, metavar="MU", help="In place of the paper's.")
-@click.option("--restitution", type=float, metavar="E", help="In place of the paper's.")
-@click.option("--length", type=float, metavar="L", help="In diameters, in place of the paper's.")
+@_number("--friction", "In place of the paper's.", "MU")
+@_number("--restitution", "In place of the paper's.", "E")
+@_number("--length", "In diameters, in place of the paper's.", "L")
 @click.option("--scene", metavar="SCENE", help="Rods of your own, in place of the paper's.")
 @_out
 @_store
@@ -165,6 +164,7 @@ def movie(scene: str, changes: tuple[str, ...], periods: int, frames: int, out: 
     python -m figures movie my_rods --set plate.amplitude_cm=0.03 --out row.gif
     """
     import md
+    from md.files import replacing
 
     from .lib.files import ready
     from .pages import movie as movies
@@ -177,7 +177,7 @@ def movie(scene: str, changes: tuple[str, ...], periods: int, frames: int, out: 
     loaded = md.load(scene, changes)
     (path,) = ready(out, name)
     film = movies.record(loaded, periods, frames, progress=True)
-    with _replacing(path) as part:
+    with replacing(path) as part:
         movies.write(film, part, progress=True)
     print(f"{path}  {film.pictures} frames")
 
@@ -249,7 +249,7 @@ def paper(estimate: bool, out: Path, store: Path | None) -> int:
     commands = [["draw", *names, *runs]] if names else []
     commands += [["movie", "quasi2d", "--periods", "4"], ["claims", *runs], ["index"]]
     codes = (main([*command, *where]) for command in commands)
-    code = next((code for code in codes if code), 0)
+    code = next(filter(None, codes), 0)
     print(f"took {everything.in_words(perf_counter() - begin)}")
     return code
 
@@ -266,6 +266,8 @@ def prices(out: Path, store: Path | None) -> None:
     python -m figures prices
     """
     import matplotlib.pyplot as plt
+
+    from md.files import replacing
 
     from .cost import price_page
     from .lib.data import stored_data
@@ -288,7 +290,7 @@ def prices(out: Path, store: Path | None) -> None:
     text, numbers, png = (out / name for name in PRICES)
     _write_text(text, words + "\n")
     _write_text(numbers, _json_text(price_page.numbers(found)))
-    with _replacing(png) as part:
+    with replacing(png) as part:
         picture.savefig(part, dpi=200)
     plt.close(picture)
     print(f"{words}\n\n{text}  {png.name}")
@@ -303,13 +305,15 @@ def index(out: Path) -> None:
     python -m figures index
     python -m figures index --out pictures
     """
+    from md.files import replacing
+
     from .lib.files import ready
     from .pages import index as page
 
     files = page.files(out)
     ready(out, *files)
     for name, content in files.items():
-        with _replacing(out / name) as part:
+        with replacing(out / name) as part:
             part.write_bytes(content)
     print(out / PAGES[-1])
 
@@ -333,12 +337,12 @@ def pages() -> None:
 
 
 @main.command()
-@click.option("--tilt-deg", type=float, metavar="PHI", help="0 to 90 (default 30).")
-@click.option("--friction", type=float, metavar="MU", help="0 to 1 (default 0.3).")
-@click.option("--restitution", type=float, metavar="E", help="0 to 1 (default 0.65).")
-@click.option("--ratio", type=float, help="-c_z/c_x before, 0.1 to 10 (default 2).")
-@click.option("--spin", type=float, help="k omega before, -2 to 2 (default 0).")
-@click.option("--length", type=float, help="In diameters, 1 to 20 (default 8).")
+@_number("--tilt-deg", "0 to 90 (default 30).", "PHI")
+@_number("--friction", "0 to 1 (default 0.3).", "MU")
+@_number("--restitution", "0 to 1 (default 0.65).", "E")
+@_number("--ratio", "-c_z/c_x before, 0.1 to 10 (default 2).")
+@_number("--spin", "k omega before, -2 to 2 (default 0).")
+@_number("--length", "In diameters, 1 to 20 (default 8).")
 @click.option("--shape", help="thin, round (default) or flat.")
 @click.option("--law", help="newton (default), poisson or stronge.")
 @_path("--html", "Page to write.", "out/impact.html", "FILE.html")

@@ -8,6 +8,7 @@ import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from math import isnan, radians, sqrt
+from operator import itemgetter
 from typing import Any
 
 import click
@@ -65,10 +66,9 @@ def search_json(found: Any) -> dict[str, Any]:
         if told.results:
             table |= {"predicted": told.results[i].value, "uncertainty": told.results[i].error}
         targets.append(table)
-    estimates = {name: estimate._asdict() for name, estimate in told.parameters.items()}
     return {
-        "points": sorted(points, key=lambda point: point["misfit"]),
-        "estimates": estimates,
+        "points": sorted(points, key=itemgetter("misfit")),
+        "estimates": {name: estimate._asdict() for name, estimate in told.parameters.items()},
         "correlation": told.correlation.tolist(),
         "least_misfit": told.misfit,
         "targets": targets,
@@ -101,7 +101,7 @@ def _estimate(parameter: Any, estimate: dict[str, float]) -> dict[str, Any]:
 
 def _table(rows: Sequence[Mapping]) -> list[str]:
     """Lines of a table with the columns of the first row."""
-    names = [*rows[0]] if rows else []
+    names = [*rows[0]]
     cells = [names, *([_cell(row.get(name)) for name in names] for row in rows)]
     widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
     return [
@@ -126,14 +126,7 @@ def _cell(value: object) -> str:
     return f"{value:.5g}" if isinstance(value, float) else str(value)
 
 
-_changes = click.option(
-    "--set",
-    "changes",
-    multiple=True,
-    metavar="KEY=VALUE",
-    help="Change a key of the scene; VALUE none takes it out.",
-)
-_WIDTH = max(len(key) for key, _ in keys())
+_WIDTH = max(map(len, dict(keys())))
 _KEYS = """\b
 Keys and their defaults; what a scene does not name is not there. A key in cm
 or cm/s takes the place of the one above it, also under --set; it needs
@@ -150,7 +143,7 @@ def _many_runs(command: Callable) -> Callable:
         _json,
         click.option("--retry", is_flag=True, help="Run again what failed before."),
         click.option("--scheduler", metavar="ADDRESS", help="Of a Dask cluster, for the runs."),
-        click.option("--workers", type=int, default=-1, help="Processes; -1: one a core."),
+        click.option("--workers", default=-1, help="Processes; -1: one a core."),
         click.option("--store", required=True, metavar="FILE", help="SQLite, made if missing."),
     ):
         command = option(command)
@@ -213,7 +206,7 @@ def impact(as_json: bool, **given: Any) -> None:
     python -m md impact --tilt-deg 20 --friction 0.4 --restitution 0.65 --c-x 0.5 --c-z -1
     python -m md impact --tilt-deg 60 --c-x 0.5 --c-z -1 --law appendix_a --integrator gear --json
     """
-    law, integrator = _law(given), given["integrator"]
+    law = _law(given)
     hit = soft_impact.impact(
         radians(given["tilt_deg"]),
         rod=Rod(**_given(given, "length", "inertia", "ends")),
@@ -224,7 +217,7 @@ def impact(as_json: bool, **given: Any) -> None:
         found = hit._asdict() | {"stiffness": law.normal.stiffness, "arguments": given}
         print(_dumps(finite(found)))
     else:
-        words = f"{law.name}, k_n = {law.normal.stiffness:g} m g/d^(3/2), {integrator}"
+        words = f"{law.name}, k_n = {law.normal.stiffness:g} m g/d^(3/2), {given['integrator']}"
         print(impact_text(hit, words))
 
 
@@ -244,7 +237,13 @@ def _law(given: dict[str, Any]) -> Law:
 
 @main.command(epilog=_KEYS)
 @click.argument("scene")
-@_changes
+@click.option(
+    "--set",
+    "changes",
+    multiple=True,
+    metavar="KEY=VALUE",
+    help="Change a key of the scene; VALUE none takes it out.",
+)
 @click.option("--periods", type=int, help="Of the plate (default 200); not with --tolerance.")
 @_number(
     "--tolerance",

@@ -30,15 +30,15 @@ def distinct(**paths: str | Path | None) -> None:
     ValueError
         If they name one file.
     """
-    given = {name: os.path.realpath(str(path)) for name, path in paths.items() if path is not None}
-    if len(given) > len({*given.values()}):
+    given = [os.path.realpath(str(path)) for path in paths.values() if path is not None]
+    if len(given) > len({*given}):
         first, second = paths
         raise InputError(f"{second} must be another file than {first}, got {str(paths[second])!r}")
 
 
-def empty(path: str | Path) -> bool:
+def empty(path: Path) -> bool:
     """Whether a file is missing or empty."""
-    return not Path(path).exists() or Path(path).stat().st_size == 0
+    return not path.exists() or path.stat().st_size == 0
 
 
 def plain(path: str | Path) -> Path:

@@ -86,8 +86,7 @@ _TOUCH = _BOTH | {
 }
 _LANDING = _BOTH | {"touches": columns.WIDTH}
 _TYPES: dict[str, Any] = {"rod": np.int64, "cap": np.int8, "touches": np.int64, "regime": "U13"}
-_IN_STEPS = "time", "flight", "duration"
-_NONE = np.empty((0, columns.WIDTH))
+_IN_STEPS = "time", "phase", "flight", "duration"
 
 
 def touches(rows: Sequence[np.ndarray], result: Result) -> "Dataset":
@@ -120,15 +119,14 @@ def landings(rows: Sequence[np.ndarray], result: Result) -> "Dataset":
     -------
     The columns that `md.records` names along "landing", as of `touches`.
     """
-    all_rows = _together(rows)
-    counted = np.column_stack([all_rows, np.ones(len(all_rows))])
+    counted = np.insert(_together(rows), columns.WIDTH, 1, axis=1)  # touches of each: one
     over, _ = merged(counted, HOP * result.steps_per_period)
     return _table("landing", over, _LANDING, result)
 
 
 def _together(rows: Sequence[np.ndarray]) -> np.ndarray:
     """Rows of a list of arrays, or of one array, as (n, WIDTH)."""
-    return np.concatenate([_NONE, *map(np.atleast_2d, rows)])
+    return np.concatenate([np.empty((0, columns.WIDTH)), *map(np.atleast_2d, rows)])
 
 
 def _table(along: str, rows: np.ndarray, names: dict[str, int], result: Result) -> "Dataset":
@@ -138,8 +136,8 @@ def _table(along: str, rows: np.ndarray, names: dict[str, int], result: Result) 
         values: Any = rows[:, column]
         if name in _IN_STEPS:
             values = values / result.steps_per_period
-        elif name == "phase":
-            values = phase_at(values / result.steps_per_period)
+        if name == "phase":
+            values = phase_at(values)
         elif name == "regime":
             values = [REGIMES[code] for code in values]
         found[name] = along, np.array(values, _TYPES.get(name, np.float64))

@@ -42,6 +42,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import astuple, dataclass
 from functools import cached_property
 from itertools import combinations_with_replacement, product
+from operator import itemgetter
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -175,8 +176,9 @@ class Search:
             for target, seed in product(self.targets, self.seeds):
                 changed = {**changes, **target.place, "start.seed": seed}
                 runs.append(point_at(self.base, changed, {**values, **target.place}, self.periods))
-        along = {"point": range(len(parts)), "target": self.targets, "start.seed": self.seeds}
-        return Sweep(tuple({name: [*each]} for name, each in along.items()), tuple(runs))
+        points = {"point": [*range(len(parts))]}
+        axes = points, {"target": [*self.targets]}, {"start.seed": [*self.seeds]}
+        return Sweep(axes, tuple(runs))
 
 
 class Estimate(NamedTuple):
@@ -229,7 +231,7 @@ class Found:
     def misfits(self) -> np.ndarray:
         """Misfit of each point, (n,); inf where a run failed."""
         starts = self.runs.shape[-1]
-        scatter = self.runs.var(axis=-1, ddof=1) if starts > 1 else np.zeros((1, 1))
+        scatter = self.runs.var(axis=-1, ddof=int(starts > 1))  # of one start: none
         variance = np.nanmean(scatter, axis=0) / starts
         found = self.search.misfit(self.results, variance)
         return np.where(np.isnan(found), np.inf, found)
@@ -264,7 +266,7 @@ class Found:
         if near.sum() < _ENOUGH * (len(search.parameters) + 1):
             return Estimates({}, np.empty((0, 0)), [], math.nan)
         inside = 2 * (self.parts[near] - low) / (high - low) - 1
-        surfaces = [_Surface(inside, results) for results in self.results[near].T]
+        surfaces = [_surface(inside, results) for results in self.results[near].T]
 
         def predicted(places: np.ndarray) -> np.ndarray:
             """Results at the targets and their variances, (2, n, targets)."""
@@ -308,9 +310,9 @@ def search(given: Search, store: str | Path, **how: Any) -> Found:
         drawn = qmc.Sobol(len(given.parameters), seed=_SEED + number).random(given.points)
         parts.append(low + drawn * (high - low))
         sweep = given.sweep(parts[-1])
-        tallies.append(execute(sweep, store, **how))
+        tallies.append(astuple(execute(sweep, store, **how)))
         runs.append(_at_targets(given, sweep, store))
-        tally = Tally(*map(sum, zip(*map(astuple, tallies), strict=True)))
+        tally = Tally(*map(sum, zip(*tallies, strict=True)))
         found = Found(given, np.concatenate(parts), np.concatenate(runs), tally)
         if not np.isfinite(found.results).all(axis=1).any():
             raise RunError(f"no point has all results at the targets; {tally.failed} runs failed")
@@ -330,7 +332,9 @@ def _at_targets(given: Search, sweep: Sweep, store: str | Path) -> np.ndarray:
 # ---- from results to estimates ------------------------------------------------------------------
 
 
-class _Surface:
+def _surface(
+    places: np.ndarray, results: np.ndarray
+) -> Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]:
     """Polynomial of coordinates between -1 and 1, fitted to a result.
 
     Its degree is the one with which each point is best told from the others. It may be off at any
@@ -339,39 +343,38 @@ class _Surface:
 
     Parameters
     ----------
-    places : (n, coordinates)
+    places : (n, coordinates), enough for a polynomial of degree 1
     results : (n,)
+
+    Returns
+    -------
+    Function of places, (n, coordinates), that gives the values of the polynomial and their
+    variances, (n,) each.
     """
+    found = []
+    for degree in _DEGREES:
+        terms = _terms(places, degree)
+        if len(results) >= _ENOUGH * terms.shape[1]:
+            inverse = np.linalg.pinv(terms)
+            left = 1 - np.einsum("ij,ji->i", terms, inverse)
+            off = (results - terms @ (inverse @ results)) / np.maximum(left, 1e-9)
+            found.append((float(np.sqrt(np.mean(off**2))), degree, inverse))
+    scatter, degree, inverse = min(found, key=itemgetter(0))
+    weights, spread = inverse @ results, inverse @ inverse.T
 
-    def __init__(self, places: np.ndarray, results: np.ndarray) -> None:
-        found = []
-        for degree in _DEGREES:
-            terms = _terms(places, degree)
-            if degree == 1 or len(results) >= _ENOUGH * terms.shape[1]:
-                inverse = np.linalg.pinv(terms)
-                left = 1 - np.einsum("ij,ji->i", terms, inverse)
-                off = (results - terms @ (inverse @ results)) / np.maximum(left, 1e-9)
-                found.append((float(np.sqrt(np.mean(off**2))), degree, inverse))
-        self.scatter, self.degree, inverse = min(found, key=lambda one: one[0])
-        self.weights, self.spread = inverse @ results, inverse @ inverse.T
+    def surface(places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        terms = _terms(places, degree)
+        variance = scatter**2 * (1 + np.sum(terms @ spread * terms, axis=1))
+        return terms @ weights, variance
 
-    def __call__(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Values of the polynomial and their variances, (n,) each.
-
-        Parameters
-        ----------
-        places : (n, coordinates)
-        """
-        terms = _terms(places, self.degree)
-        variance = self.scatter**2 * (1 + np.sum(terms @ self.spread * terms, axis=1))
-        return terms @ self.weights, variance
+    return surface
 
 
 def _terms(places: np.ndarray, degree: int) -> np.ndarray:
-    """Products of up to `degree` coordinates, a column each."""
-    n, k = places.shape
-    powers = [c for d in range(1, degree + 1) for c in combinations_with_replacement(range(k), d)]
-    return np.column_stack([np.ones(n), *(places[:, list(c)].prod(axis=1) for c in powers)])
+    """Products of up to `degree` coordinates, a column each; the first one is 1."""
+    coordinates = range(places.shape[1])
+    powers = [c for d in range(degree + 1) for c in combinations_with_replacement(coordinates, d)]
+    return np.column_stack([places[:, list(c)].prod(axis=1) for c in powers])
 
 
 def _draws(misfit: Callable[[np.ndarray], np.ndarray], coordinates: int) -> np.ndarray:
@@ -425,7 +428,10 @@ def _measured(path: Path, result: str) -> list[Target]:
     A row without a result is predicted: its value and its error are nan.
     """
     lines = (line for line in text_of(path).splitlines() if line.strip() and line[0] != "#")
-    heads, *rows = [[cell.strip() for cell in row] for row in csv.reader(lines)] or [[]]
+    try:
+        heads, *rows = [[cell.strip() for cell in row] for row in csv.reader(lines)] or [[]]
+    except csv.Error as why:  # a cell of a hundred thousand letters
+        raise InputError(f"{path}: {why}") from None
     if not rows or not {result, "error"} < set(heads) or len(set(heads)) < len(heads):
         columns = f"columns {result}, error and keys of the scene, each once"
         raise InputError(f"{path} must have {columns}, and rows; got {', '.join(heads)}")

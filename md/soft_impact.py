@@ -11,6 +11,7 @@ are in sqrt(g d) and times in sqrt(d/g).
 
 from collections.abc import Sequence
 from math import cos, nan, pi, sin
+from operator import itemgetter
 from time import perf_counter
 from typing import NamedTuple
 
@@ -113,8 +114,7 @@ def _step(
         raise InputError(f"the impact must be at {_SLOWEST:g} sqrt(g d) or faster, got {speed:g}")
     across, along = np.square(lower_end(effects, tilt).arm(tilt)) * effects.lightness
     caps = 2 if height_of_second(effects, tilt) < 2 * deepest_overlap(law, speed) else 1
-    rubs = effects.friction is not None
-    largest = largest_step(law, rubs, speed, along, across, method, caps)
+    largest = largest_step(law, effects.friction is not None, speed, along, across, method, caps)
     whole = contact_time(law, speed)
     if dt is None:
         return float(min(whole / _FINE, largest / 4))
@@ -177,18 +177,12 @@ class _Contact:
     force, delta^(3/2) and delta^(1/4), are smooth functions of s where they are not of t.
     """
 
-    def __init__(
-        self,
-        effects: Effects,
-        tilt: float,
-        speed: float,
-        tolerance: float,
-    ):
+    def __init__(self, effects: Effects, tilt: float, velocity: Sequence[float], tolerance: float):
         end = lower_end(effects, tilt)  # a corner is a cap of radius 0 at another tilt
-        lean, height = tilt + end.offset, -end.arm(tilt)[1]
+        a_x, a_z = end.arm(tilt)
+        lean, speed = tilt + end.offset, abs(velocity[1] - velocity[2] * a_x)
         assert effects.normal is not None
-        longer = effects._replace(half_length=end.reach)
-        self.setting = longer, (sin(lean), cos(lean), height)
+        self.setting = effects._replace(half_length=end.reach), (sin(lean), cos(lean), -a_z)
         self.friction = effects.friction
         self.rigid = effects.friction is not None and effects.friction.spring is None
         self.mode, self.evaluations, self.rest = FREE, 0, 0.0
@@ -217,9 +211,9 @@ class _Contact:
             return
         before, self.mode = self.mode, STICK
         change, (_, spare, _, slip) = self.rates(y)
-        if before == FREE and slip != 0 and self.friction.spring is None:
+        if before == FREE and slip != 0 and self.rigid:
             self.mode = FORWARD if slip > 0 else BACK
-        elif before in (FORWARD, BACK) and self.friction.spring is not None:
+        elif before in (FORWARD, BACK) and not self.rigid:
             pass  # the force came down from its limit
         elif before == STICK or spare < 0:
             self.mode = BACK if change[3] > 0 else FORWARD
@@ -230,9 +224,10 @@ class _Contact:
         """State at `end`, integrated from s, at most one step away."""
         if not end > s:
             return y
-        span, step = (s, end), end - s
-        steps = solve_ivp(self.derivative, span, y, "DOP853", first_step=step, **self.accuracy)
-        return steps.y[:, -1].copy()
+        steps = solve_ivp(
+            self.derivative, (s, end), y, "DOP853", first_step=end - s, **self.accuracy
+        )
+        return steps.y[:, -1]
 
     def located(self, solver: DOP853, which: int, end: float) -> tuple[float, np.ndarray]:
         """Place s and state at which signal `which` falls to zero in the step just made.
@@ -269,7 +264,7 @@ class _Contact:
             end, y = self.located(solver, 0, end)
             signals, places = self.signals(y), [(end, y, 0)]
         places += [(*self.located(solver, i, end), i) for i in others if signals[i] < 0]
-        return min(places, key=lambda place: place[0])
+        return min(places, key=itemgetter(0))
 
 
 def follow(
@@ -297,20 +292,14 @@ def follow(
     spring = effects.friction.spring if effects.friction else None
     if spring and not any(spring[2:]):  # its dashpots
         raise InputError("dop853 needs a dashpot beside the tangential spring")
-    a_x = lower_end(effects, tilt).arm(tilt)[0]
-    speed = abs(velocity[1] - velocity[2] * a_x)
-    contact = _Contact(effects, tilt, speed, tolerance)
+    contact = _Contact(effects, tilt, velocity, tolerance)
     s, y = 0.0, np.array([0.0, 0.0, 0.0, *velocity, 0.0, 0.0])
     contact.signals(y)  # compiles
     start = perf_counter()
     contact.choose(contact.stepped(s, y, contact.early))
     contact.side = np.sign(contact.signals(y)[2])
     stopped, watch = contact.side == 0, np.zeros(WATCHED)
-    which, switches = 1, 0
-    while which != 0:
-        if switches == _SWITCHES:
-            raise RunError(f"the contact has switched {switches} times without an end")
-        switches += 1
+    for _ in range(_SWITCHES):
         begin, pushed = s, y[7]
         solver = DOP853(contact.derivative, s, y, np.inf, **contact.accuracy)
         others: tuple[int, ...] = (1,) if stopped or contact.rigid else (1, 2)
@@ -330,9 +319,13 @@ def follow(
         phase = SLIDE if not stopped else STUCK if contact.mode == STICK else TURNED
         watch[phase] += s**4 - begin**4
         watch[IMPULSE + phase] += y[7] - pushed
+        if which == 0:
+            break
         if which == 1:
             contact.choose(y)
-        stopped = stopped or which == 2 or (which == 1 and contact.rigid)
+        stopped = stopped or which == 2 or contact.rigid
+    else:
+        raise RunError(f"the contact has switched {_SWITCHES} times without an end")
     watch[WATCH_STOPPED] = stopped
     position = np.array([y[0], contact.setting[1][2] + y[1], tilt + y[2]])
     return Outcome(position, y[3:6], watch, contact.evaluations, perf_counter() - start)
@@ -390,7 +383,8 @@ def impact(
     velocity = tuple(number(name, value, -1e6, 1e6) for name, value in given.items())
     if integrator not in INTEGRATORS:
         raise InputError(f"integrator must be one of {', '.join(INTEGRATORS)}, got {integrator!r}")
-    useless, value = ("dt", dt) if integrator == "dop853" else ("tolerance", tolerance)
+    adaptive = integrator == "dop853"
+    useless, value = ("dt", dt) if adaptive else ("tolerance", tolerance)
     if value is not None:
         raise InputError(f"{useless} has no meaning under {integrator}, got {value!r}")
     offset = number("offset", offset, 0.0, 1.0)
@@ -401,22 +395,22 @@ def impact(
         if law.spring is None and friction > _ROUGH:
             limit = f"at most {_ROUGH:g} under gear, as a constraint"
             raise InputError(f"friction must be {limit}, got {friction!r}")
-    if integrator == "dop853" and friction > _LARGE:
+    if adaptive and friction > _LARGE:
         raise InputError(f"friction must be at most {_LARGE:g} under dop853, got {friction!r}")
     end = lower_end(effects, tilt)
-    speed = -(velocity[1] - velocity[2] * end.arm(tilt)[0])
+    a_x, a_z = end.arm(tilt)
+    speed = -(velocity[1] - velocity[2] * a_x)
     if not speed > 0:
         raise InputError(
             f"c_z must bring the contact point towards the plate: it moves away at {-speed:g}"
         )
-    method = "leapfrog" if integrator == "dop853" else integrator
-    step = _step(law, effects, speed, tilt, dt, method)
-    if integrator == "dop853":
+    step = _step(law, effects, speed, tilt, dt, "leapfrog" if adaptive else integrator)
+    if adaptive:
         tolerance = number("tolerance", 1e-13 if tolerance is None else tolerance, 1e-14, 1e-3)
         done = follow(effects, tilt, velocity, tolerance)
         step = nan
     else:
-        position = np.array([0.0, -end.arm(tilt)[1], tilt])
+        position = np.array([0.0, -a_z, tilt])
         if speed < (slowest := _LEAST_MOVE * np.spacing(position[1]) / step):
             raise InputError(
                 f"the impact must be at {slowest:.2g} sqrt(g d) or faster at dt = {step:.3g}, or "
@@ -430,9 +424,9 @@ def impact(
         c_x=c_x,
         c_z=c_z,
         omega=omega,
-        restitution=float(v_f / speed),
+        restitution=v_f / speed,
         regime=REGIMES[regime_of(done.watch)],
-        phases=dict(zip(PHASES, map(float, durations), strict=True)),
+        phases=dict(zip(PHASES, durations.tolist(), strict=True)),
         max_overlap=float(done.watch[WATCH_DEEPEST]),
         contact_time=float(sum(durations)),
         dt=step,

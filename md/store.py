@@ -27,7 +27,11 @@ _WAIT = 60.0  # seconds for another writer
 _LAST = "code", "error", "seconds", "written"  # columns at the end of all tables
 _OF_RUN = "periods", "seed", *_LAST
 
-_TABLE = """
+_BEGIN = f"""
+PRAGMA synchronous=FULL;
+BEGIN IMMEDIATE;
+PRAGMA application_id={_APPLICATION};
+PRAGMA user_version={_VERSION};
 CREATE TABLE IF NOT EXISTS runs (
     key TEXT PRIMARY KEY,    -- as md.cache.key
     scene TEXT NOT NULL,     -- JSON
@@ -38,7 +42,8 @@ CREATE TABLE IF NOT EXISTS runs (
     error TEXT,              -- why it failed
     seconds REAL NOT NULL,   -- of the run
     written TEXT NOT NULL    -- UTC
-)
+);
+COMMIT;
 """
 
 
@@ -77,7 +82,8 @@ class Store:
             if not fresh:
                 self._recognise()
             if write:
-                self._begin()
+                with self._failing("cannot be written"), self.database:
+                    self.database.executescript(_BEGIN)
         except StoreError:
             self.database.close()
             raise
@@ -94,15 +100,6 @@ class Store:
                 f"store {self.path} is of another version of md ({version}, not {_VERSION}), which "
                 "named keys and columns differently: name a new file"
             )
-
-    def _begin(self) -> None:
-        execute = self.database.execute
-        with self._failing("cannot be written"), self.database:
-            execute("PRAGMA synchronous=FULL")
-            execute("BEGIN IMMEDIATE")
-            execute(f"PRAGMA application_id={_APPLICATION}")
-            execute(f"PRAGMA user_version={_VERSION}")
-            execute(_TABLE)
 
     @contextlib.contextmanager
     def _failing(self, what: str) -> Iterator[None]:
@@ -140,14 +137,18 @@ class Store:
         result : of the run; None if it failed
         error : why it failed; None if it did not
         """
-        row = about | {"key": key, "scene": json.dumps(about["scene"]), "error": error}
-        row["result"] = None if result is None else json.dumps(result)
-        row["written"] = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
-        names, values = ", ".join(row), ", ".join(f":{name}" for name in row)
+        row = about | {
+            "key": key,
+            "scene": json.dumps(about["scene"]),
+            "result": None if result is None else json.dumps(result),
+            "error": error,
+            "written": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
+        }
+        names, places = ", ".join(row), ", :".join(row)
         with self._failing("cannot be written"), self.database:
             self.database.execute("BEGIN IMMEDIATE")
             self.database.execute("DELETE FROM runs WHERE key = ? AND result IS NULL", (key,))
-            self.database.execute(f"INSERT OR IGNORE INTO runs ({names}) VALUES ({values})", row)
+            self.database.execute(f"INSERT OR IGNORE INTO runs ({names}) VALUES (:{places})", row)
 
     def result(self, key: str) -> dict | None:
         """Result of a run; None if the store does not hold it, or it failed.

@@ -220,7 +220,7 @@ class Sweep:
         values = [named(result, name) for result in results]
         first = next((value for value in values if value is not None), math.nan)
         kind = str if isinstance(first, str) else float
-        blank = "" if kind is str else np.full(np.shape(first), math.nan)
+        blank = "" if kind is str else np.full_like(first, math.nan, float)
         flat = np.array([blank if value is None else value for value in values], kind)
         return flat.reshape(self.shape + flat.shape[1:])
 
@@ -284,8 +284,8 @@ def expand(tables: Mapping, base: Mapping | None = None) -> Sweep:
     if (size := math.prod(Sweep(axes, ()).shape)) > _MOST_POINTS:
         raise InputError(f"a sweep may have {_MOST_POINTS} points, got {size}")
     for place in itertools.product(*(zip(*axis.values(), strict=True) for axis in axes)):
-        values = itertools.chain(*place)
-        changes = changes_of("axes", dict(zip(along, values, strict=True)))
+        values = dict(zip(along, itertools.chain(*place), strict=True))
+        changes = changes_of("axes", values)
         points.append(point_at(base, {**common, **changes}, changes, periods, **chosen))
     return Sweep(axes, tuple(points))
 
@@ -367,19 +367,18 @@ def pool(tasks: list, workers: int, **how: Any) -> Iterator[Generator[Any, None,
         If a worker dies.
     """
     results: Any = None
-    how |= {"batch_size": 1, "return_as": "generator_unordered"}
     # what joblib's process that cleans up would say after a signal, below our one line
     os.environ.setdefault("PYTHONWARNINGS", "ignore:resource_tracker")
+    warnings.filterwarnings("ignore", "A worker stopped")  # one that idled; another takes its place
     try:
         with deferred():  # half a pool would leave semaphores behind
-            results = Parallel(workers, **how)(tasks)
+            results = Parallel(workers, batch_size=1, return_as="generator_unordered", **how)(tasks)
         yield results
     except TerminatedWorkerError:
         again = "what was finished is kept: the same command goes on"
         raise RunError(f"a worker process died, for want of memory perhaps; {again}") from None
     finally:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
+        with warnings.catch_warnings(action="ignore"):
             if results is not None:
                 results.close()
 
@@ -450,8 +449,8 @@ def execute(
         wanted = [p for key, p in points.items() if not database.has(key, failed=not retry)]
         tally = Tally(len(sweep.points), len(points), len(points) - len(wanted))
         bar = progress_bar(total=len(wanted), unit=" runs", disable=None if progress else True)
-        processes = min(cpu_count() if workers == -1 else workers, max(len(wanted), 1))
-        tasks = [delayed(_one)(point) for point in wanted]
+        processes = min(cpu_count() if workers == -1 else workers, len(wanted) or 1)
+        tasks = [*map(delayed(_one), wanted)]
         try:
             with bar, pool(tasks, -1 if scheduler else processes) as results:
                 for key, result, error, seconds in results:

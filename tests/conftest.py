@@ -44,6 +44,7 @@ class Together(LoadFileScheduling):
         return next((group for group, names in TOGETHER.items() if name in names.split()), name)
 
 
+@pytest.hookimpl(optionalhook=True)  # pytest also runs without xdist
 def pytest_xdist_make_scheduler(config, log):
     return Together(config, log)
 
@@ -99,9 +100,9 @@ def pytest_terminal_summary(terminalreporter, exitstatus, config):
     if path is None or exitstatus != 0 or hasattr(config, "workerinput"):
         return
     passed, skipped = (len(terminalreporter.stats.get(kind, ())) for kind in ("passed", "skipped"))
-    lines = [
-        *("# The longer studies", "", "Written by `make slow` when all of them pass.", ""),
+    Path(path).write_text(
+        "# The longer studies\n\nWritten by `make slow` when all of them pass.\n\n"
         f"{time.strftime('%Y-%m-%d', time.gmtime())}: {passed} passed, {skipped} skipped;"
-        f" sources md {digest()}, impact {DIGEST}.",
-    ]
-    Path(path).write_text("\n".join(lines) + "\n", "utf-8")
+        f" sources md {digest()}, impact {DIGEST}.\n",
+        "utf-8",
+    )

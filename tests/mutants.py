@@ -10,17 +10,18 @@ from collections import namedtuple
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial, wraps
+from itertools import pairwise
 from unittest.mock import patch
 
 import sympy as sp
+from sympy.core.relational import Relational
 
 from derivations import axioms, trace
 from derivations.equality import components, equal_at_random_points
 from derivations.proof import Equation
 from derivations.registry import ENTRIES
 
-Relational = sp.core.relational.Relational
-
+EQUATIONS = [entry for entry in ENTRIES if isinstance(entry, Equation)]
 FACTOR = sp.Rational(8, 7)
 COMPARED = {"IV: Coulomb, stick": "sign", "V: closure": "zero"}  # with zero: sign alone, or none
 
@@ -81,7 +82,7 @@ def _changes_of(form):
     if form.is_number:
         yield "plus 1", form + 1
     letters = sorted(form.free_symbols, key=str)
-    for one, other in zip(letters, letters[1:] + letters[:1], strict=True):
+    for one, other in pairwise(letters + letters[:1]):
         if one != other:
             yield f"{one} to {other}", form.xreplace({one: other})
     for path, node in _nodes(form):
@@ -95,7 +96,6 @@ def _changes_of(form):
 def changes(form):
     """Changed forms, each with the change in words; those that did not change are left out."""
     if isinstance(form, Relational):
-        yield "left side times 8/7", form.func(form.lhs * FACTOR, form.rhs)
         yield "right side times 8/7", form.func(form.lhs, form.rhs * FACTOR)
         yield "turned", form.reversed.func(form.lhs, form.rhs)
         for what, side in _changes_of(form.lhs):
@@ -103,10 +103,9 @@ def changes(form):
     elif isinstance(form, sp.MatrixBase):
         for i, part in enumerate(form):
             for what, new in _changes_of(part):
-                yield (
-                    f"component {i}: {what}",
-                    sp.Matrix([new if j == i else old for j, old in enumerate(form)]),
-                )
+                other = form.as_mutable()
+                other[i] = new
+                yield f"component {i}: {what}", other
     else:
         yield from _changes_of(form)
 
@@ -126,47 +125,46 @@ def says_the_same(a, b, up_to=""):
     return all(equal_at_random_points(x.doit(), y.doit()) for x, y in pairs)
 
 
-def _tried(entry, side, form):
-    """Every change; the form itself keeps its verdict, so that the change alone is judged."""
-    lefts = entry.lefts
-    left = entry.left or (lefts[0] if len(lefts) == 1 else f"({', '.join(lefts)})")
-
-    def proved(new):
-        given = {"said": new} if side == "printed" else {"derive": lambda: new, "left": left}
-        return replace(entry, **given).prove().ok
-
-    assert proved(form)
+def _tried(tag, side, form, proved, up_to=""):
+    """Every change of a form; `proved` says whether all that rests on a form is proved with it."""
     for what, new in changes(form):
         outcome = "caught"
         if proved(new):
-            outcome = "equivalent" if says_the_same(new, form) else "survived"
-        yield Mutant(entry.tag, side, what, outcome)
+            outcome = "equivalent" if says_the_same(new, form, up_to) else "survived"
+        yield Mutant(tag, side, what, outcome)
 
 
 def of_entry(entry):
     """Try every change of both sides of one entry."""
+    lefts = entry.lefts
+    left = entry.left or (lefts[0] if len(lefts) == 1 else f"({', '.join(lefts)})")
+
+    def proved(side, new):
+        given = {"said": new} if side == "printed" else {"derive": lambda: new, "left": left}
+        return replace(entry, **given).prove().ok
+
+    sides = {"derived": entry.derive()}
     if entry.printed is not None and not entry.repair:  # which is a change of the LaTeX itself
-        yield from _tried(entry, "printed", entry.printed)
-    yield from _tried(entry, "derived", entry.derive())
+        sides["printed"] = entry.printed
+    for side, form in sides.items():
+        assert proved(side, form)  # so that the change alone is judged
+        yield from _tried(entry.tag, side, form, partial(proved, side))
 
 
 def of_axiom(axiom):
     """Try every change of an axiom against the entries that rest on it."""
-    resting = [e for e in ENTRIES if isinstance(e, Equation) and axiom.tag in e.rests_on]
-    usual = axiom.form
-    for what, new in changes(usual):
-        outcome = "caught"
+    resting = [entry for entry in EQUATIONS if axiom.tag in entry.rests_on]
+
+    def proved(new):
         with derived_again("axiom", axiom.tag), patch.object(axiom, "form", new):
-            if all(entry.prove().ok for entry in resting):
-                same = says_the_same(new, usual, COMPARED.get(axiom.tag, ""))
-                outcome = "equivalent" if same else "survived"
-        yield Mutant(axiom.tag, "axiom", what, outcome)
+            return all(entry.prove().ok for entry in resting)
+
+    yield from _tried(axiom.tag, "axiom", axiom.form, proved, COMPARED.get(axiom.tag, ""))
 
 
 def trials():
     """One for each entry that is an equation, and each axiom."""
-    entries = [entry for entry in ENTRIES if isinstance(entry, Equation)]
     return [
-        *(partial(of_entry, entry) for entry in entries),
+        *(partial(of_entry, entry) for entry in EQUATIONS),
         *(partial(of_axiom, axiom) for axiom in axioms.AXIOMS),
     ]

@@ -21,7 +21,7 @@ import subprocess
 import sys
 from collections import Counter
 from copy import deepcopy
-from functools import cache, partial
+from functools import cache
 from pathlib import Path
 from time import perf_counter
 from typing import NamedTuple
@@ -70,8 +70,8 @@ def mutants(node):
             yield node, changed(node, op=SWAPS[type(node.op)]())
         case ast.Compare(ops=[one]) if type(one) in SWAPS:
             yield node, changed(node, ops=[SWAPS[type(one)]()])
-        case ast.Constant() if type(node.value) in (int, float) and node.value in NUMBERS:
-            yield node, ast.Constant(type(node.value)(NUMBERS[node.value]))
+        case ast.Constant(int() | float() as value) if value in NUMBERS:
+            yield node, ast.Constant(type(value)(NUMBERS[value]))
         case ast.UnaryOp(op=ast.Not()):
             yield node, node.operand
         case ast.Call(func=ast.Name(id=name)) if name in NAMES:
@@ -92,18 +92,17 @@ def body(node):
 
 def is_kernel(node):
     """Whether a decorator is `kernel`, `kernel(...)` or `module.kernel`."""
-    made = (d.func if isinstance(d, ast.Call) else d for d in node.decorator_list)
-    return any(getattr(d, "attr", getattr(d, "id", "")) == "kernel" for d in made)
+    made = map(ast.unparse, getattr(node, "decorator_list", []))
+    return any(re.fullmatch(r"(\w+\.)*kernel(\(.*\))?", decorator) for decorator in made)
 
 
-def places(tree):
-    """All places of a tree; functions of one name are numbered in the order of their files."""
+def places():
+    """All places; functions of one name are numbered in the order of their files."""
     count = Counter()
-    for path in sorted(p for package in PACKAGES for p in (tree / package).rglob("*.py")):
+    for path in sorted(p for package in PACKAGES for p in (ROOT / package).rglob("*.py")):
         module = ast.parse(path.read_text())
-        nodes = ast.walk(module) if path.name != "__main__.py" else ()
-        for function in (n for n in nodes if isinstance(n, ast.FunctionDef) and is_kernel(n)):
-            here = path.relative_to(tree)
+        for function in filter(is_kernel, ast.walk(module)):
+            here = path.relative_to(ROOT)
             name = f"{here.parts[0]}.{function.name}"
             count[name] += 1
             name += f"({count[name]})" if count[name] > 1 else ""
@@ -112,25 +111,18 @@ def places(tree):
                 yield Place(f"{name}#{number}", here, module, old, new)
 
 
-def files_of(tree, place):
+def files_of(place):
     """Test files that test the kernel's package, the likeliest to notice the change first."""
     package, function = re.match(r"(\w+)\.(\w+)", place.key).groups()
     found = []
-    for path in sorted(
-        p for p in tree.glob("tests/test_*.py") if not NOT_OF_KERNELS.search(p.name)
-    ):
+    for path in ROOT.glob("tests/test_*.py"):
         text = path.read_text()
         imported = set(re.findall(r"^\s*(?:from|import) (\w+)", text, re.M))
-        if package in imported and (package == "md" or "md" not in imported):
+        of_package = package in imported and (package == "md" or "md" not in imported)
+        if of_package and not NOT_OF_KERNELS.search(path.name):
             words = set(re.findall(r"\w+", text))
             found.append((function not in words, place.path.stem not in words, path.name))
     return [f"tests/{name}" for *_, name in sorted(found)]
-
-
-def mutate(tree, place):
-    """Write the change into the source."""
-    changed = deepcopy(place.module, {id(place.old): place.new})
-    (tree / place.path).write_text(ast.unparse(changed))
 
 
 def exit_status(folder, files, edit, seconds=None):
@@ -154,12 +146,7 @@ def idle(tree):
         path.write_text(f"{ast.unparse(ast.parse(path.read_text()))}\n_ = None\n")
 
 
-def drawn(place):
-    """Hash by which places are put in order and drawn."""
-    return hashlib.sha256(f"{SEED} {place.key}".encode()).digest()
-
-
-PLACES = sorted(places(ROOT), key=drawn)
+PLACES = sorted(places(), key=lambda place: hashlib.sha256(f"{SEED} {place.key}".encode()).digest())
 
 
 @pytest.fixture(scope="module")
@@ -168,7 +155,7 @@ def unchanged(tmp_path_factory):
 
     @cache
     def check(package):
-        files = files_of(ROOT, next(p for p in PLACES if p.key.startswith(package)))
+        files = files_of(next(p for p in PLACES if p.key.startswith(package)))
         begin = perf_counter()
         assert exit_status(tmp_path_factory.mktemp("unchanged"), files, idle) == 0
         return perf_counter() - begin
@@ -178,6 +165,9 @@ def unchanged(tmp_path_factory):
 
 @pytest.mark.parametrize("place", PLACES[:MUTANTS], ids=str)
 def test_a_mutant_is_killed(place, tmp_path, unchanged):
+    def mutate(tree):
+        changed = deepcopy(place.module, {id(place.old): place.new})
+        (tree / place.path).write_text(ast.unparse(changed))
+
     seconds = 3 * unchanged(place.key.partition(".")[0])
-    edit = partial(mutate, place=place)
-    assert exit_status(tmp_path, files_of(ROOT, place), edit, seconds) != 0
+    assert exit_status(tmp_path, files_of(place), mutate, seconds) != 0

@@ -25,24 +25,26 @@ from figures.cost.scene_variants import GROUPS
 from figures.lib import runs, style, timing
 from figures.lib.printing import printed
 from figures.paper import fig04, fig07, fig08
+from impact import ContactGeometry
 from md import simulation
 from md.host import prepare
 from md.scene import load
 from md.sweep import execute, expand
 
-from .rows import unread
+from .rows import HALF, unread
 
 MOST_PERIODS = 8  # of a run of the paper's figures
 TOO_FEW = {"fig04", "landing_census", "states"}  # tiny runs leave some of their numbers open
-COLOUR_WORDS = "black", "blue", "green", "orange", "red"
-COLOURS = {getattr(style, word.upper()).lower(): word for word in COLOUR_WORDS}
+COLOURS = {
+    getattr(style, word.upper()).lower(): word
+    for word in ("black", "blue", "green", "orange", "red")
+}
 OTHER_KERNELS = {"rods.rolling", "annulus.shaken"}  # each takes ten seconds to compile
 OWN_VALUES = [(0.05, 0.0), (0.2, 0.3), (0.5, 0.65), (0.8, 0.9), (1.2, 1.0)]  # friction, restitution
 ESTIMATE = SimpleNamespace(mean=1.0, error=0.0)
 RIGID = SimpleNamespace(flight=ESTIMATE, falling=ESTIMATE)
-LONE = {"lone": lambda *_: (np.array([0.0]), [RIGID])}  # of one rod that bounces, in no time
+LONE = {"lone": lambda *_: (np.zeros(1), [RIGID])}  # of one rod that bounces, in no time
 TABLES = tomllib.loads(Path(__file__).with_suffix(".toml").read_text())
-FEW_EFFECTS = TABLES["effects"]
 
 
 def _in_small(effect):
@@ -55,8 +57,8 @@ SHORT = "rods.count=10", "box.length=10.75"  # a row of ten rods in place of for
 
 def _short_row(dt, seed=1):
     """The short row with a step and a start of its own."""
-    start = "start.speed=0.3", f"start.seed={seed}", f"step.size={dt}", "step.coarse=true"
-    return load("quasi2d", [*SHORT, *start])
+    how = f"start.speed=0.3 start.seed={seed} step.size={dt} step.coarse=true"
+    return load("quasi2d", [*SHORT, *how.split()])
 
 
 def watched_engine(scene, **_):
@@ -75,11 +77,7 @@ MADE = {
     fig07: LONE,
     fig08: LONE,
     landing_census: {
-        "CONTACTS": dict.fromkeys(landing_census.CONTACTS, landing_census.CONTACTS["constraint"]),
-        "VARIED": {
-            name: (key, (), (TABLES["touches"][name],))
-            for name, (key, *_) in landing_census.VARIED.items()
-        },
+        "CONTACTS": dict.fromkeys(landing_census.CONTACTS, landing_census.CONTACTS["constraint"])
     },
     accuracy_cost_drift: {
         "_scene": _short_row,
@@ -89,25 +87,21 @@ MADE = {
     effect_prices: {
         "GROUPS": {
             group: {name: _in_small(GROUPS[group][name]) for name in few}
-            for group, few in FEW_EFFECTS.items()
+            for group, few in TABLES["effects"].items()
         }
     },
 }
 
 
-def _plain(value):
-    """A value of the table: tuples for lists; by whether it is quick for `quick` and `full`."""
-    if isinstance(value, dict):
-        quick = {"quick": True, "full": False}
-        return {quick.get(key, key): _plain(inner) for key, inner in value.items()}
-    return tuple(map(_plain, value)) if isinstance(value, list) else value
+def _by_size(value):
+    """A value of the table; by whether it is quick for `quick` and `full`."""
+    if not isinstance(value, dict):
+        return value
+    quick = {"quick": True, "full": False}
+    return {quick.get(key, key): _by_size(inner) for key, inner in value.items()}
 
 
-SIZES = {
-    module: _plain(sizes) | MADE.get(module, {})
-    for name, sizes in TABLES["modules"].items()
-    for module in [import_module(name)]
-}
+SIZES = {import_module(name): _by_size(sizes) for name, sizes in TABLES["modules"].items()}
 
 
 @contextmanager
@@ -120,12 +114,12 @@ def tiny():
         return expand({**tables, "periods": periods, "set": changes}, base)
 
     def alone(sweep, store, **options):
-        tally = execute(sweep, store, **{**options, "workers": 1})
+        tally = execute(sweep, store, **options | {"workers": 1})
         assert not tally.failed
         return tally
 
     with pytest.MonkeyPatch.context() as patch:
-        for module, sizes in SIZES.items():
+        for module, sizes in (*SIZES.items(), *MADE.items()):
             for name, size in sizes.items():
                 patch.setattr(module, name, size)
         patch.setattr(runs, "expand", short)
@@ -138,6 +132,11 @@ def data(name):
     """Data of a figure in the small size; tests must not change them."""
     with tiny():
         return figures.load(name).data(quick=True)
+
+
+def thick(tilt):
+    """The paper's rod without the figures' own helper: round tip, inertia l^2/12."""
+    return ContactGeometry(HALF * np.sin(tilt), HALF * np.cos(tilt) + 0.5, 9.5 / np.sqrt(12))
 
 
 def each_of(room):
@@ -172,14 +171,14 @@ def check_figure(name):
         kind = np.asarray(value).dtype.kind
         assert kind in "fiU"
         assert kind == "U" or np.any(np.isfinite(value)) or name in TOO_FEW
-        assert not key.endswith("seconds") or np.all(np.asarray(value) > 0)
+        assert not key.endswith("seconds") or np.min(value) > 0
     before = deepcopy(d)
     with tiny():
         picture = module.draw(d)
     assert all(ax.get_xlabel() or ax.get_ylabel() for ax in picture.axes)
     picture.canvas.draw()
-    shown = [text for text in picture.findobj(Text) if text.get_text() and text.get_visible()]
-    assert all(text.get_fontsize() >= 8 for text in shown)
+    shown = (text for text in picture.findobj(Text) if text.get_text() and text.get_visible())
+    assert min(text.get_fontsize() for text in shown) >= 8
     named = re.findall(r"\b(black|blue|green|red|orange|yellow|grey)\b", module.__doc__)
     assert set(named) <= _drawn_colours(picture)
     text = printed(d)

@@ -19,6 +19,12 @@ NO_IMPACT, SLIDE, SLIP_STICK, SLIP_REVERSAL = range(4)
 # is absorbed next to a term in this number would vanish in the limit anyway.
 _HUGE_FRICTION_EXPONENT = 4000
 
+
+def _finite(mu):
+    """Return the friction as a number, huge if it is infinite."""
+    return mpf(10) ** _HUGE_FRICTION_EXPONENT if isinf(mu) else mu
+
+
 # Velocity of a body in the frame of the plate, with the geometry needed to change it.
 State = namedtuple("State", "c_x c_z omega X Z k")
 # Stretch begin <= p <= end of constant ratio dP_x/dp and slope dv/dp; v is taken at its begin.
@@ -61,29 +67,24 @@ def _friction_phases(u, v, respond, mu):
 
     `respond` gives the change of the contact velocity under an impulse.
     """
-
-    def slopes(ratio):
-        return respond(ratio, 1)
-
     # The ratio at which a tangential impulse cancels the slip caused by a unit normal impulse.
-    u_tangential, u_normal = respond(1, 0)[0], slopes(0)[0]
-    stick_ratio = -u_normal / u_tangential
+    stick_ratio = -respond(0, 1)[0] / respond(1, 0)[0]
 
     phases, p_stop = [], mpf(0)
     if u != 0:
         ratio = -sign(u) * mu
-        du, dv = slopes(ratio)
+        du, dv = respond(ratio, 1)
         p_stop = -u / du if u * du < 0 else inf
         phases.append(Phase(ratio, mpf(0), p_stop, v, dv))
     sticks = abs(stick_ratio) <= mu
     if not isinf(p_stop):
         if phases:
-            v += respond(phases[0].ratio * p_stop, p_stop)[1]
+            v += phases[0].slope * p_stop
         # Slip resumes in the direction that friction is too weak to prevent.  The fallback is
         # for |stick_ratio| = mu within rounding, where sticking and slipping coincide.
-        slipping = (-s * mu for s in (1, -1) if s * slopes(-s * mu)[0] > 0)
+        slipping = (-s * mu for s in (1, -1) if s * respond(-s * mu, 1)[0] > 0)
         ratio = stick_ratio if sticks else next(slipping, stick_ratio)
-        phases.append(Phase(ratio, p_stop, inf, v, slopes(ratio)[1]))
+        phases.append(Phase(ratio, p_stop, inf, v, respond(ratio, 1)[1]))
     return phases, sticks, stick_ratio
 
 
@@ -116,15 +117,13 @@ def _end_of_impact(phases, v, e, law):
         return (1 + e) * p_c
     wanted, begin = -e * e * _work(phases, mpf(0), p_c), p_c
     for phase in phases:
-        if not isinf(phase.end):
-            gain = _work(phases, begin, phase.end)  # 0 if the phase lies in the compression
-            if gain < wanted:
-                wanted, begin = wanted - gain, max(begin, phase.end)
-                continue
-        v = phase.v + phase.slope * (begin - phase.begin)
-        # Root of v d + slope d^2 / 2 = wanted in the form free of cancellation.
-        return begin + 2 * wanted / (v + sqrt(v * v + 2 * phase.slope * wanted))
-    raise AssertionError("the last phase is unbounded")
+        gain = _work(phases, begin, phase.end)  # 0 if the phase lies in the compression
+        if gain >= wanted:  # in the last phase, which has no end, at the latest
+            break
+        wanted, begin = wanted - gain, max(begin, phase.end)
+    v = phase.v + phase.slope * (begin - phase.begin)
+    # Root of v d + slope d^2 / 2 = wanted in the form free of cancellation.
+    return begin + 2 * wanted / (v + sqrt(v * v + 2 * phase.slope * wanted))
 
 
 def _walk(u, v, respond, mu, e, law):
@@ -190,12 +189,11 @@ def reference_collide(
     spread = 2 * _spread((c_x, c_z, V_z, omega * X, omega * Z, omega * k))
     spread += 4 * _spread((X, Z, k)) + 2 * _spread((1, mu))
     with workdps(2 * dps + 20 + spread // 3):
-        mu = mpf(10) ** _HUGE_FRICTION_EXPONENT if isinf(mu) else mu
+        mu = _finite(mu)
         before, zero = State(c_x, c_z - V_z, omega, X, Z, k), mpf(0)
         u, v = contact_velocity(before)
         if v >= 0:
-            margins = Margins(inf, inf)
-            return Reference(c_x, c_z, omega, NO_IMPACT, zero, zero, u, v, zero, margins)
+            return Reference(c_x, c_z, omega, NO_IMPACT, zero, zero, u, v, zero, Margins(inf, inf))
 
         regime, P_x, P_z, margins, _ = _walk(u, v, partial(response, before), mu, e, law)
         after = apply_impulse(before, P_x, P_z)
@@ -204,7 +202,7 @@ def reference_collide(
         if regime == SLIP_STICK:
             slip = zero  # by definition of the phase; the sum leaves rounding
         energy_change = kinetic_energy(after) - kinetic_energy(before)
-        velocities = (c_x + P_x, after.c_z + V_z, after.omega)
+        velocities = after.c_x, after.c_z + V_z, after.omega
         return Reference(*velocities, regime, P_x, P_z, slip, normal, energy_change, margins)
 
 
@@ -260,8 +258,7 @@ def reference_pair(first, second, *, friction, restitution, law="newton", dps=60
             mass, k, X, Z, c_x, c_z, omega = map(mpmathify, body)
             light.append(sign / mass)
             states.append(State(c_x, c_z, omega, X, Z, k))
-        e, mu = mpmathify(restitution), mpmathify(friction)
-        mu = mpf(10) ** _HUGE_FRICTION_EXPONENT if isinf(mu) else mu
+        e, mu = mpmathify(restitution), _finite(mpmathify(friction))
 
         def struck(strike, P_x, P_z):
             return [strike(s, a * P_x, a * P_z) for s, a in zip(states, light, strict=True)]
@@ -289,8 +286,11 @@ def reference_pair(first, second, *, friction, restitution, law="newton", dps=60
         for sign, a, old, new in zip((1, -1), light, states, after, strict=True):
             velocities += new[:3]
             turned = (abs(old.X) * scale_z + abs(old.Z) * scale_x) / old.k**2
-            moved += [abs(old.c_x) + scale_x * abs(a), abs(old.c_z) + scale_z * abs(a)]
-            moved.append(abs(old.omega) + turned * abs(a))
+            moved += [
+                abs(old.c_x) + scale_x * abs(a),
+                abs(old.c_z) + scale_z * abs(a),
+                abs(old.omega) + turned * abs(a),
+            ]
             if a:
                 energy += (kinetic_energy(new) - kinetic_energy(old)) / abs(a)
             else:  # the work of the impulse on what keeps its velocity

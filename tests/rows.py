@@ -41,6 +41,7 @@ LOSSY = md.constant_restitution(0.65, SOFT, tangential_ratio=3)
 ELASTIC = Normal(SOFT, 0.0)  # with a dashpot of zero
 ROUGH = Friction(0.3, LOSSY.spring)
 SMOOTH = ROUGH._replace(coefficient=0.0)
+HELD = ROUGH._replace(spring=None)
 CONSTRAINT = ("contacts.plate.law=coulomb", "contacts.plate.tangential_ratio=none")
 # Rods of the paper's row, few and soft
 ROW = f"""
@@ -53,6 +54,8 @@ RING = f"""
     rods.count=6 rods.length=4 annulus.inner=1 annulus.outer=2.8 step.size=none
     contacts.plate.stiffness={SOFT} contacts.rods.stiffness={SOFT} contacts.wall.stiffness={SOFT}
 """.split()
+DRIVEN = "plate.acceleration=5"
+LIVELY = "step.size=3e-4", DRIVEN
 ROLLING = ("rods.rolling=true", "annulus.shaken=false", *CONSTRAINT)
 
 
@@ -78,19 +81,20 @@ def ring(*assignments):
 
 # Rods without a scene
 
-AT_REST, FAR_BELOW = (Motion(np.full(1, height), np.zeros(1)) for height in (0.0, -1e3))
-BETWEEN = ContactForces(LOSSY.normal, ROUGH)
+AT_REST = Motion(np.zeros(1), np.zeros(1))
+FAR_BELOW = AT_REST._replace(height=np.full(1, -1e3))
+LOSSY_FORCES = ContactForces(LOSSY.normal, ROUGH)
 ELASTIC_RODS = ContactForces(ELASTIC, SMOOTH)
-FREE = Effects(HALF, LIGHT, LOSSY.normal, ROUGH, plate=FAR_BELOW, between=BETWEEN)
+FREE = Effects(HALF, LIGHT, *LOSSY_FORCES, plate=FAR_BELOW, between=LOSSY_FORCES)
 PLANE = FREE._replace(gravity=(0.0, 0.0), period=1e6)
 SPACE = FREE._replace(
     gravity=0.0,
     up=IN_SPACE,
-    inner=Wall(1.0, LOSSY.normal, ROUGH),
-    outer=Wall(1e3, LOSSY.normal, ROUGH),
+    inner=Wall(1.0, *LOSSY_FORCES),
+    outer=Wall(1e3, *LOSSY_FORCES),
     shaken=True,
 )
-ROLLS = SPACE._replace(friction=Friction(0.3, None), rolling=15.0, shaken=None)
+ROLLS = SPACE._replace(friction=HELD, rolling=15.0, shaken=None)
 ELASTIC_PLANE = PLANE._replace(between=ELASTIC_RODS)
 
 
@@ -191,6 +195,18 @@ def around(places, v):
     """Parts of vectors along an annulus, each at its place."""
     (x, y), (v_x, v_y) = places.T[:2], v.T[:2]
     return (x * v_y - y * v_x) / np.hypot(x, y)
+
+
+def radii(rods, half=HALF):
+    """Distances of places along each rod, ends and middle included, from the axis of an annulus."""
+    lever = np.linspace(-half, half, 401)[:, None]
+    along = rods[:, None, PLACE:DIRECTOR] + lever * rods[:, None, DIRECTOR:VELOCITY]
+    return np.hypot(along[..., 0], along[..., 1])
+
+
+def resting_overlap(load, stiffness=SOFT):
+    """Overlap at which Hertz's force carries a load, in d."""
+    return (load / stiffness) ** (2 / 3)
 
 
 def distance(rods, i, j, half=HALF):

@@ -14,7 +14,7 @@ from impact.flight import slide_to_lift
 
 from .sampling import each_law
 
-SPHERE = ContactGeometry(0.0, 0.5, sqrt(0.1))
+SPHERE = impact.spherocylinder(0.0, 1.0)
 INELASTIC = {"friction": 0.3, "restitution": 0.0}
 PAPER = {"friction": 0.3, "restitution": 0.65}
 ONE_PERIOD = sqrt(1 + pi**2)  # of the flight of a perfectly inelastic rod
@@ -52,7 +52,8 @@ def test_onset():
         alpha = bounce(SPHERE, gamma=1 + excess, **INELASTIC, landings=2).alpha.mean
         excess = (1 + excess) - 1  # as represented
         assert abs(alpha / (-3 * sqrt(2 * excess)) - 1) < 4 * excess + 1e-8
-    bounce(SPHERE, gamma=1 + 2**-52, **INELASTIC, landings=2)  # ends
+    # ends, and one rod has no error
+    assert np.isnan(bounce(SPHERE, gamma=1 + 2**-52, **INELASTIC, landings=2).alpha.error)
 
 
 # Hit again at once; rest (M12)
@@ -75,14 +76,12 @@ def test_landings_follow_from_one_another(tilt_deg, gamma, restitution):
     rod = thin_rod(radians(tilt_deg))
     run = record(rod, gamma=gamma, **setting, landings=300, rods=4, transient=0)
     plate = np.cos(run.phase)
-    c_x, v, hits = run.c_x, run.c_z - plate, 0
-    again = True
+    c_x, v = run.c_x, run.c_z - plate
+    hits = 0
     assert_array_equal(run.regime, impact.classify(c_x, v, geometry=rod, **setting))
-    while np.any(again):
-        hit = collide(c_x, v, geometry=rod, **setting)
-        c_x, v = np.where(again, hit.c_x, c_x), np.where(again, hit.c_z, v)
-        hits = hits + again
-        again = again & (v < -1e-12)
+    while np.any(again := v < -1e-12):  # what leaves comes back unchanged
+        hits += again
+        c_x, v, *_ = collide(c_x, v, geometry=rod, **setting)
     assert_allclose(run.c_x_after, c_x, atol=1e-11)
     assert_allclose(run.c_z_after - plate, np.maximum(v, 0), atol=1e-11)
     assert_array_equal(run.hits > 1, hits > 1)
@@ -186,13 +185,11 @@ def test_means_are_those_of_the_landings():
         counts, _ = np.histogram(values, np.arange(bins + 1) * width)
         density = counts / (width * values.size)
         assert_allclose(getattr(run, name).mean, density)
-    assert np.isnan(bounce(thin_rod(0.3), **{**setting, "rods": 1}).alpha.error)
 
 
-@each_law
-def test_scale_of_lengths_cancels(law):
+def test_scale_of_lengths_cancels():
     one, *others = (
-        record(thin_rod(0.4, length), gamma=2.5, **PAPER, landings=20, law=law)
+        record(thin_rod(0.4, length), gamma=2.5, **PAPER, landings=20)
         for length in (1.0, 2.0**300, 2.0**-900)
     )
     for run in others:

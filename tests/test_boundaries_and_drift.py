@@ -9,7 +9,6 @@ from mpmath import mpf
 from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal
 
-import derivations
 import impact
 from figures.theory import stationary
 from impact import ContactGeometry, Regime
@@ -17,12 +16,7 @@ from impact import _generated as closed
 
 from . import sampling
 from .reference import reference_collide
-from .sampling import EPS
-
-
-def ulps(got, want):
-    """Distance in units in the last place of the exact value."""
-    return float(abs(mpf(float(got)) - want) / mpf(np.spacing(abs(float(want)))))
+from .sampling import EPS, ulps
 
 
 @pytest.fixture
@@ -44,8 +38,9 @@ def test_critical_friction_separates_stick_from_reversal(rods):
     """A contact without slip at first has to decide at once."""
     critical = impact.critical_friction(rods)
     for factor, regime in ((1 + 1e-12, Regime.SLIP_STICK), (1 - 1e-12, Regime.SLIP_REVERSAL)):
-        friction = factor * critical
-        found = impact.classify(0.0, -1.0, geometry=rods, friction=friction, restitution=0.5)
+        found = impact.classify(
+            0.0, -1.0, geometry=rods, friction=factor * critical, restitution=0.5
+        )
         assert (found == regime)[critical > 1e-12].all()
 
 
@@ -56,9 +51,12 @@ def test_painleve_friction_is_where_an_impact_needs_no_approach(rods):
         for got, x, z, k in zip(friction, *(map(mpf, part) for part in rods), strict=True):
             assert got == np.inf if x * z == 0 else ulps(got, (k * k + x * x) / abs(x * z)) <= 3
     for factor, pressed in ((1.01, True), (0.99, False)):
-        slip = -np.sign(rods.X * rods.Z)
         hit = impact.collide(
-            slip, -1e-9, geometry=rods, friction=factor * friction, restitution=0.5
+            -np.sign(rods.X * rods.Z),
+            -1e-9,
+            geometry=rods,
+            friction=factor * friction,
+            restitution=0.5,
         )
         assert ((hit.P_z > 1e-5) == pressed)[friction < 1e3].all()
 
@@ -81,7 +79,7 @@ def test_slide_friction_is_where_the_slide_ends(rods, how):
 
 
 def test_drift_repeats_itself(rods, how):
-    """One landing gives back c_x and turns c_z round; the plate's work there is the cost."""
+    """One landing gives back c_x and turns c_z round, by an impulse of twice as much."""
     found = impact.drift(rods, plate_velocity=0.7, **how)
     hit = impact.collide(found.c_x, -found.c_z, geometry=rods, plate_velocity=0.7, **how)
     scale = np.abs(found.c_x) + found.c_z + 0.7
@@ -89,11 +87,7 @@ def test_drift_repeats_itself(rods, how):
     sticks = how["friction"] >= impact.critical_friction(rods)
     assert_array_equal(found.regime == Regime.SLIP_STICK, sticks)
     assert not (hit.regime == Regime.SLIDE).any()
-    way = np.abs(2 * found.c_x * found.c_z)  # times the acceleration of gravity
-    cost = derivations.function("V: cost of transport")
-    with np.errstate(divide="ignore"):
-        cost = cost(c_x=np.abs(found.c_x), V_z=0.7)
-    assert_allclose(0.7 * hit.P_z / cost, way, rtol=128 * EPS)
+    assert_allclose(hit.P_z, 2 * found.c_z, rtol=128 * EPS)
 
 
 def test_drift_without_friction_is_undetermined():
@@ -118,7 +112,7 @@ def test_extreme_numbers_have_the_answer_of_large_ones():
         impact.landing_density(0.0, fall_speed=far * [1e100, 1e153, 1e108]),
     ]
     for values in alike:
-        assert_allclose(values, np.full_like(values, values[0]), rtol=1e-14, atol=1e-59)
+        assert_allclose(values, values[0], rtol=1e-14, atol=1e-59)
     steep = impact.critical_friction(np.array([(1e300, 1), (1, 1e-200), (1, 1e-200)]))
     assert steep == pytest.approx([5e299, 5e199], rel=1e-14)
     assert impact.painleve_friction((1e-200, 1.0, 1e-200)) == pytest.approx(2e-200, rel=1e-14)
@@ -143,9 +137,9 @@ def test_optimal_tilt_to_the_last_digits():
                 return (1 + e) * top / (1 - e + (7 - e) * t * t)
 
             low, high = mpf(0), mpf(1)
-            golden = (mpmath.sqrt(5) - 1) / 2
-            for _ in range(260):
-                a, b = high - golden * (high - low), low + golden * (high - low)
+            for _ in range(310):
+                third = (high - low) / 3
+                a, b = low + third, high - third
                 low, high = (a, high) if drift(a) < drift(b) else (low, b)
             found = impact.optimal_tilt(friction=friction, restitution=restitution)
             assert ulps(found.c_x, drift(low)) <= 8
@@ -165,7 +159,7 @@ def test_optimal_tilt_at_the_ends():
 def exact_relaxation(geometry, **how):
     """Relaxation from whole impacts at 50 digits, and how far apart the eigenvalues are."""
     start = impact.drift(geometry, **how)
-    c_x, c_z, step = mpf(float(start.c_x)), -mpf(float(start.c_z)), mpf(10) ** -12
+    c_x, c_z, step = mpf(start.c_x), -mpf(start.c_z), mpf(10) ** -12
     after = []
     for moved in ((c_x, c_z), (c_x + step, c_z), (c_x, c_z + step)):
         hit = reference_collide(*moved, 0, **geometry._asdict(), **how, plate_velocity=1, dps=50)
@@ -177,14 +171,14 @@ def exact_relaxation(geometry, **how):
 
 def test_relaxation_by_whole_impacts(rods, how):
     """It holds where a deviation lasts for millions of landings: slippery, or upright, lossless."""
-    lengths, columns = np.array(rods)[:, 100:280], np.array([*how.values()])[:, 100:280]
-    columns[0, 60:120] *= 1e-9
-    columns[1, 120:] = 1 - 1e-12 * columns[1, 120:]
-    lengths[:, 120:] = impact.thin_rod(10 ** default_rng(8).uniform(-9, -6, 60))
-    got = impact.relaxation(lengths, friction=columns[0], restitution=columns[1])
+    numbers = np.array([*rods, *how.values()])[:, 100:280]
+    numbers[:3, 120:] = impact.thin_rod(10 ** default_rng(8).uniform(-9, -6, 60))
+    numbers[3, 60:120] *= 1e-9
+    numbers[4, 120:] = 1 - 1e-12 * numbers[4, 120:]
+    got = impact.relaxation(numbers[:3], friction=numbers[3], restitution=numbers[4])
     assert got[60:].min() > 1e6
     with mpmath.workdps(60):
-        for found, rod, (mu, e) in zip(got, lengths.T.tolist(), columns.T.tolist(), strict=True):
+        for found, (*rod, mu, e) in zip(got, numbers.T.tolist(), strict=True):
             want, apart = exact_relaxation(ContactGeometry(*rod), friction=mu, restitution=e)
             assert abs(found - want) <= 8 * EPS * want / apart
 
@@ -193,9 +187,8 @@ def test_relaxation_at_the_ends():
     tilt, friction, restitution = np.transpose(
         [(0, 0.3, 0.65), (0, 0.3, 1), (0, 0, 0.6), (1, 0, 1)]
     )
-    kept = [1 / np.log(4 / 3), np.inf, np.inf, np.inf]
     found = impact.relaxation(impact.thin_rod(tilt), friction=friction, restitution=restitution)
-    assert_allclose(found, kept, rtol=4 * EPS)
+    assert_allclose(found, [1 / np.log(4 / 3), np.inf, np.inf, np.inf], rtol=4 * EPS)
     e, k = default_rng(10).uniform(0.1, 1, (2, 1000))  # a lying rod forgets at once
     at_once = impact.relaxation((np.sqrt(e) * k, 0.0, k), friction=0.3, restitution=e)
     assert ((at_once >= 0) & (at_once < 0.04)).all()
@@ -217,9 +210,11 @@ def test_gyration_radius():
     """Gyration radii are those of integration over the solid, at 30 digits."""
     with mpmath.workdps(30):
         ratio = 1 / mpf("5.5")
-        *_, of_round = closed.round_rod(1, ratio, ratio, 0, 1)
-        *_, of_flat = closed.flat_rod(1, ratio, ratio, 0, 1)
-        for shape, square in ((impact.spherocylinder, of_round), (impact.flat_ended_rod, of_flat)):
+        for shape, solid in (
+            (impact.spherocylinder, closed.round_rod),
+            (impact.flat_ended_rod, closed.flat_rod),
+        ):
+            *_, square = solid(1, ratio, ratio, 0, 1)
             assert ulps(shape(0.3, 5.5).k, mpmath.sqrt(square) / ratio) <= 4
 
 
@@ -231,8 +226,9 @@ def test_landing_density(fall):
     assert np.trapezoid(density, phase) == pytest.approx(1, abs=1e-4)
     lit = density > 0
     assert_allclose(density[lit] * 2 * np.pi * fall, (fall + np.cos(phase))[lit])
-    falling = partial(impact.landing_density, fall_speed=fall)
-    mean = impact.mean_plate_velocity(falling, points=1_000_000)
+    mean = impact.mean_plate_velocity(
+        partial(impact.landing_density, fall_speed=fall), points=1_000_000
+    )
     assert mean == pytest.approx(stationary.alpha_of_fall(np.array(fall)), abs=2e-5)
 
 
@@ -244,5 +240,4 @@ def test_mean_plate_velocity():
     upstroke = impact.mean_plate_velocity(lambda phase: (np.cos(phase) > 0).astype(float))
     assert upstroke == pytest.approx(2 / np.pi, abs=1e-6)
     slow = np.array([1e-6, 1e-8])
-    limit = 4 / 3 * np.sqrt(np.pi * slow)
-    assert_allclose(stationary.alpha_of_fall(slow), limit, rtol=1e-2)
+    assert_allclose(stationary.alpha_of_fall(slow), 4 / 3 * np.sqrt(np.pi * slow), rtol=1e-2)

@@ -18,12 +18,6 @@ def impacts(request):
     return request.param(250_000, seed=13)
 
 
-def squared(impacts, hit):
-    """Sum of the squares of the velocities and of the impulses per mass."""
-    speeds = impacts.c_x, impacts.c_z, impacts.plate_velocity, impacts.omega * impacts.k
-    return np.sum(np.square([*speeds, hit.P_x, hit.P_z]), axis=0)
-
-
 @each_law
 def test_impulse_and_energy(impacts, law):
     """The impulse is a push within the friction cone and makes no energy, but by Newton's law.
@@ -37,7 +31,8 @@ def test_impulse_and_energy(impacts, law):
     assert (hit.P_z[hit.regime > Regime.NO_IMPACT] > 0).all()
     slack = 16 * EPS * (np.abs(hit.P_x) + np.abs(impacts.c_x) + np.abs(impacts.c_z))
     assert (np.abs(hit.P_x) <= impacts.friction * hit.P_z + slack + 1e-12 * hit.P_z).all()
-    rounding = 8 * EPS * squared(impacts, hit)
+    speeds = impacts.c_x, impacts.c_z, impacts.plate_velocity, impacts.omega * impacts.k
+    rounding = 8 * EPS * np.square([*speeds, hit.P_x, hit.P_z]).sum(0)
     assert law == "newton" or (hit.energy_change <= rounding).all()
     before, after = (
         x.c_x**2 + (x.c_z - impacts.plate_velocity) ** 2 + (impacts.k * x.omega) ** 2
@@ -50,8 +45,12 @@ def test_impulse_and_energy(impacts, law):
 def test_units_of_length_and_time_do_not_matter(impacts, law):
     """Units that are powers of two change exponents alone, out to 1e-135 and 1e135."""
     length, speed = default_rng(15).integers(-450, 451, (2, impacts.c_x.size))
-    powers = {"X": length, "Z": length, "k": length, "plate_velocity": speed}
-    powers |= {"c_x": speed, "c_z": speed, "omega": speed - length, "energy_change": 2 * speed}
+    powers = {
+        **dict.fromkeys(("X", "Z", "k"), length),
+        **dict.fromkeys(("c_x", "c_z", "plate_velocity"), speed),
+        "omega": speed - length,
+        "energy_change": 2 * speed,
+    }
     scaled, hit = (
         {name: np.ldexp(getattr(x, name), by) for name, by in powers.items() if hasattr(x, name)}
         for x in (impacts, impacts.collide(law))

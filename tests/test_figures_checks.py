@@ -19,16 +19,21 @@ from figures.checks import (
 from figures.checks.census import census, compared, measures
 from figures.checks.states import BLOCK, FALLEN, MISSING, SINGLE, ZIGZAG
 from figures.lib import runs
-from impact import ContactGeometry, Regime, classify, collide, drift, thin_rod
+from impact import ContactGeometry, Regime, classify, collide, drift, spherocylinder, thin_rod
 from md.kernels import touches
 from md.kernels.codes import C_Z, COSINE, ROW_COLUMNS, SINE, Z
-from md.laws import Rod
 from md.scene import from_tables, put
 
-from .quick_figures import MOST_PERIODS, check_figure, data, each_of, tiny, watched_engine
+from .quick_figures import (
+    MOST_PERIODS,
+    check_figure,
+    data,
+    each_of,
+    thick,
+    tiny,
+    watched_engine,
+)
 from .rows import HALF
-
-BEFORE, AFTER = (slice(first, first + 3) for first in (touches.BEFORE, touches.AFTER))
 
 
 @each_of("checks")
@@ -111,7 +116,7 @@ def touched(before, plate, rod, restitution, pushed=0.0):
         restitution=restitution,
         plate_velocity=plate,
     )
-    rows[:, BEFORE], rows[:, AFTER] = before, np.column_stack([hit.c_x, hit.c_z, hit.omega])
+    rows[:, touches.BEFORE : touches.PLATE] = np.column_stack([before, *hit[:3]])
     for at, value in {
         touches.STEP: 100 * (1 + np.arange(len(before)) // 4),
         touches.A_X: -rod.X,
@@ -120,7 +125,7 @@ def touched(before, plate, rod, restitution, pushed=0.0):
         touches.PUSHED: pushed,
         touches.REGIME: hit.regime,
         touches.APPROACH: before[:, 1] + before[:, 2] * rod.X - plate,
-        touches.LEAVING: hit.c_z + hit.omega * rod.X - plate,
+        touches.LEAVING: hit.normal_velocity,
     }.items():
         rows[:, at] = value
     return rows
@@ -134,16 +139,14 @@ def test_what_the_map_makes_is_found_without_error(kick, duration):
     map misses by no less; gravity during the contact is no such kick.
     """
     scene = md.load("single_rod", [] if duration else ["gravity=none"])
-    half = (scene.rods.length - 1) / 2
-    k = np.sqrt(Rod(scene.rods.length, scene.rods.inertia).gyration_squared)
-    tilt, cap = np.radians([20, 40, -35, 130]), np.array([-1, -1, -1, 1])  # which end touches
-    rod = ContactGeometry(-cap * half * np.sin(tilt), 0.5 - cap * half * np.cos(tilt), k)
+    # The last stands on its other end, at a tilt of 130 degrees.
+    rod = spherocylinder(np.radians([20, 40, -35, -50]), scene.rods.length)
     before = np.array([[0.5, -1, 0], [0.1, -0.9, 0], [0.9, -0.2, -0.05], [0.4, -1, 0.02]])
     plate, restitution = scene.plate_speed * np.sin(np.pi / 5), np.array([0.65, 0.3, 0.9, 0])
     rows = touched(before, plate, rod, restitution)
-    # The direction that no force at the contact point can move.
-    turn = np.array([rod.Z, -rod.X, k + 0 * tilt]) / np.sqrt(rod.X**2 + rod.Z**2 + k**2)
-    rows[:, AFTER] += kick * turn.T / [1, 1, k]
+    # In the direction that no force at the contact point can move.
+    turn = np.array([rod.Z, -rod.X, np.ones(4)]) / np.sqrt(rod.X**2 + rod.Z**2 + rod.k**2)
+    rows[:, touches.AFTER : touches.PLATE] += kick * turn.T
     rows[:, touches.STEP] -= duration
     rows[:, touches.DURATION] = duration
     rows[:, touches.AFTER + 1] -= duration * 1e-4
@@ -189,24 +192,22 @@ def test_the_data_are_those_of_the_census():
     with tiny():
         assert d["gamma_slide"][0] == measures(census(scene, MOST_PERIODS)[0])["slide"][0]
     assert np.isnan(d["constraint_isolated_residual"][0])
-    for offset, regime in ((-0.1, Regime.SLIP_STICK), (0.1, Regime.SLIP_REVERSAL)):
-        tilt = np.radians(landing_census.reversal_tilt() + offset)
-        rod = ContactGeometry(HALF * np.sin(tilt), HALF * np.cos(tilt) + 0.5, 9.5 / 12**0.5)
-        assert classify(0.1, -1.0, geometry=rod, friction=0.3, restitution=0.65) == regime
+    beside = thick(np.radians(landing_census.reversal_tilt() + np.array([-0.1, 0.1])))
+    regimes = classify(0.1, -1.0, geometry=beside, friction=0.3, restitution=0.65)
+    assert regimes.tolist() == [Regime.SLIP_STICK, Regime.SLIP_REVERSAL]
 
 
 # The balance of a mean landing
 
-SCENE = from_tables(runs.ROW)
-SPEED = SCENE.plate_speed
-TILTS_DEG = (8.0, 15.0, 30.0, 50.0)  # slip-stick, slip reversal
+SPEED = from_tables(runs.ROW).plate_speed
+CLOSURE = {**runs.SETTING, "plate_velocity": SPEED / 2}
 
 
 def scattered(tilt_deg, n=400):
     """States before touches, near the theory's, all of which approach the plate."""
     rod, random = runs.paper_rod(np.radians(tilt_deg)), default_rng(1)
-    mean = drift(rod, **runs.SETTING, plate_velocity=SPEED / 2)
-    middle = (1.2 * mean.c_x, -0.8 * mean.c_z, 0.01)
+    mean = drift(rod, **CLOSURE)
+    middle = 1.2 * mean.c_x, -0.8 * mean.c_z, 0.01
     before = random.normal(middle, (0.02, 0.05, 0.005), (n, 3))
     return before, SPEED * random.uniform(0.5, 0.8, n), rod
 
@@ -218,15 +219,15 @@ def steps(rows, tilt_deg):
     return drifts[: len(closure.STEPS)]
 
 
-@pytest.mark.parametrize("tilt_deg", TILTS_DEG)
+@pytest.mark.parametrize("tilt_deg", [15.0, 30.0], ids=["slip-stick", "slip reversal"])
 def test_touches_of_the_closure_itself_give_its_drift_at_every_step(tilt_deg):
-    rod, tilt = runs.paper_rod(np.radians(tilt_deg)), np.radians(tilt_deg)
-    theory = drift(rod, **runs.SETTING, plate_velocity=SPEED / 2)
+    tilt = np.radians(tilt_deg)
+    rod = runs.paper_rod(tilt)
+    theory = drift(rod, **CLOSURE)
     before = np.tile([theory.c_x, -theory.c_z, 0.0], (2 * closure.ENOUGH, 1))
     printed, *others = steps(touched(before, SPEED / 2, rod, runs.RESTITUTION), tilt_deg)
     assert_allclose(others, theory.c_x, rtol=1e-9)
-    thin = drift(thin_rod(tilt), **runs.SETTING, plate_velocity=SPEED / 2)
-    assert printed == pytest.approx(thin.c_x, rel=1e-9)
+    assert printed == pytest.approx(drift(thin_rod(tilt), **CLOSURE).c_x, rel=1e-9)
 
 
 @pytest.mark.parametrize("name", closure.ASSUMED)
@@ -234,9 +235,9 @@ def test_an_assumption_moves_its_own_curve_and_no_earlier_one(name):
     """Of a mean landing: together with the ones before it, and by itself."""
     true = {**closure.ASSUMED, "V_z": SPEED / 2, "speed": SPEED}
     other = {"V_z": 0.7 * SPEED, "turned": 0.4, "gain": 0.02, "spin": 0.01, "restitution": 0.5}
-    found = np.array(closure.replaced(30.0, true | {name: other[name]}))
-    rest = np.array(closure.replaced(30.0, true))
-    together, single = np.split(found - rest, [len(closure.STEPS)])
+    changed = true | {name: other[name]}
+    apart = np.subtract(*(closure.replaced(30.0, known) for known in (changed, true)))
+    together, single = np.split(apart, [len(closure.STEPS)])
     at = [*closure.ASSUMED].index(name)
     assert np.all(together[: closure.FIRST + at] == 0)
     moved = together[closure.FIRST + at :]
@@ -245,13 +246,12 @@ def test_an_assumption_moves_its_own_curve_and_no_earlier_one(name):
     assert np.flatnonzero(single).tolist() == [at]
 
 
-@pytest.mark.parametrize("tilt_deg", TILTS_DEG[:2])
-def test_where_the_contact_sticks_the_mean_landing_is_the_mean_of_the_landings(tilt_deg):
+def test_where_the_contact_sticks_the_mean_landing_is_the_mean_of_the_landings():
     """However the touches scatter: with all means known, the drift at the touches comes out."""
-    rows = touched(*scattered(tilt_deg), runs.RESTITUTION)
-    _, thick, *_, last = steps(rows, tilt_deg)
+    rows = touched(*scattered(15.0), runs.RESTITUTION)
+    _, assumed, *_, last = steps(rows, 15.0)
     at_touches = rows[:, [touches.BEFORE, touches.AFTER]].mean()
-    assert abs(thick / at_touches - 1) > 0.1
+    assert abs(assumed / at_touches - 1) > 0.1
     assert last == pytest.approx(at_touches, rel=1e-9)
 
 
@@ -260,10 +260,9 @@ def test_restitution_is_that_of_unpushed_touches_where_there_are_enough():
     for few in (closure.ENOUGH, closure.ENOUGH - 1):
         pushed = np.arange(len(before)) >= few
         rows = touched(before, plate, rod, np.where(pushed, 0.4, 0.6), pushed)
-        found = closure.measures(rows)
         of_all = rows[:, touches.LEAVING].sum() / -rows[:, touches.APPROACH].sum()
         expected = 0.6 if few == closure.ENOUGH else of_all
-        assert found["restitution"] == pytest.approx(expected)
+        assert closure.measures(rows)["restitution"] == pytest.approx(expected)
 
 
 def test_no_balance_that_friction_cannot_keep():
@@ -289,40 +288,37 @@ def test_the_figure_holds_what_a_run_measures():
 
 # States of a row
 
-RODS, LOOKS = 40, 400
 
+def motion(apart=0.0, lean=0.0, rise=0.0, turn=0.0):
+    """States (looks, rods, columns) of a row at 9 degrees that bounces as one, but for departures.
 
-def motion(kind, amplitude=0.05):
-    """States (looks, rods, columns) of a row that bounces in one of the ways."""
-    random, state = default_rng(4), np.zeros((LOOKS, RODS, ROW_COLUMNS))
-    phase = 2 * np.pi * np.arange(LOOKS)[:, None] / 37
-    turns = (-1.0) ** np.arange(RODS)
-    shift = random.uniform(0, 2 * np.pi, RODS) if kind == "independent" else 0.0
-    tilt = np.radians(9) + np.zeros((LOOKS, RODS))
-    if kind == "leaning by turns":
-        tilt += amplitude / HALF * turns
-    if kind == "fallen":
-        tilt[:, 0] = np.radians(175)
+    Phases at random; tilts and heights of neighbours to either side; one rod that is turned over.
+    """
+    looks, rods = 400, 40
+    phase = 2 * np.pi * np.arange(looks)[:, None] / 37
+    phase = phase + apart * default_rng(4).uniform(0, 2 * np.pi, rods)
+    by_turns = (-1.0) ** np.arange(rods)
+    tilt = np.radians(9) + lean / HALF * by_turns + turn * (np.arange(rods) == 0)
+    state = np.zeros((looks, rods, ROW_COLUMNS))
     state[..., SINE], state[..., COSINE] = np.sin(tilt), np.cos(tilt)
-    state[..., Z] = HALF * np.cos(tilt) + 0.5 + 0.2 * np.sin(phase + shift)
-    state[..., Z] += amplitude * turns * (kind == "standing by turns")
-    state[..., C_Z] = 0.2 * np.cos(phase + shift)
+    state[..., Z] = HALF * np.cos(tilt) + 0.5 + 0.2 * np.sin(phase) + rise * by_turns
+    state[..., C_Z] = 0.2 * np.cos(phase)
     return state
 
 
 @pytest.mark.parametrize(
-    ("kind", "amplitude", "state"),
+    ("departures", "state"),
     [
-        ("together", 0.05, BLOCK),
-        ("independent", 0.05, SINGLE),
-        ("standing by turns", 0.05, ZIGZAG),
-        ("standing by turns", 1e-3, BLOCK),  # too small to be seen
-        ("leaning by turns", 0.05, ZIGZAG),
-        ("fallen", 0.05, FALLEN),
+        ({}, BLOCK),
+        ({"apart": 1}, SINGLE),
+        ({"rise": 0.05}, ZIGZAG),
+        ({"rise": 1e-3}, BLOCK),  # too small to be seen
+        ({"lean": 0.05}, ZIGZAG),
+        ({"turn": np.radians(166)}, FALLEN),
     ],
 )
-def test_the_state_of_a_made_up_row(kind, amplitude, state):
-    found = row_motion.seen(motion(kind, amplitude), HALF)
+def test_the_state_of_a_made_up_row(departures, state):
+    found = row_motion.seen(motion(**departures), HALF)
     assert states.states(dict(zip(row_motion.SEEN, found, strict=True))) == state
 
 
@@ -332,8 +328,7 @@ def test_a_run_has_the_state_of_its_second_half():
     state, changed = states.settled(np.array(of_parts))
     assert state.tolist() == [BLOCK, ZIGZAG, SINGLE, MISSING]
     assert changed.tolist() == [False, True, True, False]
-    missing = {name: np.full((1, 6), np.nan) for name in row_motion.SEEN}
-    assert (states.states(missing) == MISSING).all()
+    assert states.states(dict.fromkeys(row_motion.SEEN, np.nan)) == MISSING
 
 
 def test_a_start_is_still_there_until_it_first_leaves_its_state():

@@ -19,20 +19,19 @@ from figures.cost import (
     accuracy_cost_impact,
     accuracy_cost_ladder,
     effect_prices,
-    price_page,
     scaling,
 )
+from figures.cost.price_page import PRICE_PANELS
 from figures.cost.scene_variants import FULL, Variant
 from figures.lib import exact_impacts, timing
 from figures.lib.data import keep, made
+from figures.lib.drawing import files_of
 from figures.lib.soft_impacts import one_impact
 from md.accuracy import steps_per_contact
 
 from .command_line import enter, names_in
-from .quick_figures import FEW_EFFECTS, SIZES, check_figure, data, each_of, tiny
+from .quick_figures import SIZES, check_figure, data, each_of, tiny
 from .sampling import LAWS, Impacts, each_law
-
-PRICED = [*price_page.PRICE_PANELS]
 
 
 @each_of("cost")
@@ -47,7 +46,7 @@ def test_every_figure(name):
 def test_exact_values_are_those_of_the_integration(law):
     """The figures' many digits against an integration that shares no formula with them."""
     impacts = exact_impacts.random_impacts(60, seed=2)
-    integrated = Impacts(**impacts._asdict())
+    integrated = Impacts(*impacts)
     true = exact_impacts.reference(impacts, law)
     assert set(true.regime) == {1, 2, 3}
     for i, row in enumerate(zip(*impacts, strict=True)):
@@ -90,12 +89,6 @@ def test_errors_are_where_the_digits_of_each_way_end():
     *ours, printed = data("accuracy_cost_theory")["error"][0]
     assert max(ours) < 16 * 2.0**-52
     assert printed > 1e-3  # sticking in the Painleve region, taken for a slide
-
-
-def test_an_impact_is_timed_under_each_law_both_ways():
-    times = price_page.impact_times(300)
-    assert set(times) == {f"{way} {law}" for way in ("numpy", "compiled") for law in LAWS}
-    assert min(times.values()) > 0
 
 
 # Soft impacts: errors of the integration
@@ -187,7 +180,8 @@ def test_steps_of_the_ladder_are_parts_of_a_contact(changes):
 def test_prices_belong_to_what_they_say():
     """What looks on changes no bit, gravity does; an effect of size zero is the same kernel."""
     d = data("effect_prices")
-    names = [name for group in FEW_EFFECTS.values() for name in group]
+    with tiny():
+        names, words = [*effect_prices.rows()], effect_prices.changes(d)
     same_rods, same_kernel = (
         {name for name, same in zip(names, d[key], strict=True) if same}
         for key in ("same_rods", "same_kernel")
@@ -197,8 +191,6 @@ def test_prices_belong_to_what_they_say():
     assert "gravity" not in same_rods
     (full, *changed), _ = d["drift"]
     assert_array_equal(np.isfinite(changed), [0, 0, 1, 0])
-    with tiny():
-        words = effect_prices.changes(d)
     assert words[:2] == ["-", "0, same bits"]
     assert float(words[2].split()[0]) == pytest.approx(changed[2] - full, abs=6e-3)
     assert words[3] == "same kernel"
@@ -223,32 +215,28 @@ ROUNDS = 300
 ALL = ROUNDS * len(TIMES)
 
 
-def calls(slowed):
-    """Calls with known times, noise, and a speed that changes from one to the next."""
+@pytest.mark.parametrize(
+    ("slowed", "scale"),
+    [
+        (lambda now: 1.0 if now <= ALL // 2 else 1.6, 1.0),  # somebody else begins half way
+        (lambda now: 1 + 0.5 * now / ALL, 1.12),  # times are those of the quieter half
+        (lambda now: 1 + 0.1 * (now % len(TIMES)) / len(TIMES), 1.04),  # as fast as a round
+    ],
+    ids=["half way", "drift", "in step"],
+)
+def test_differences_are_found_on_a_machine_that_slows_down(slowed, scale):
+    """Each within its own error, which is small; in proportion to what is left of the speed.
+
+    Of calls with known times, noise, and a speed that changes from one to the next.
+    """
     numbers, random = count(1), default_rng(5)
 
     def pass_by(time):
         late = random.exponential(20 * time) if random.random() < 0.05 else 0
         return time * slowed(next(numbers)) * (1 + 0.03 * random.normal()) + late
 
-    return [partial(pass_by, time) for time in TIMES]
-
-
-@pytest.mark.parametrize(
-    ("slowed", "scale"),
-    [
-        (lambda now: 1.0, 1.0),
-        (lambda now: 1.0 if now <= ALL // 2 else 1.6, 1.0),  # somebody else begins half way
-        (lambda now: 1 + 0.5 * now / ALL, 1.12),  # times are those of the quieter half
-        (lambda now: 1 + 0.1 * (now % len(TIMES)) / len(TIMES), 1.04),  # as fast as a round
-    ],
-    ids=["steady", "half way", "drift", "in step"],
-)
-def test_differences_are_found_on_a_machine_that_slows_down(slowed, scale):
-    """Each within its own error, which is small; in proportion to what is left of the speed."""
-    samples = timing.in_turn(calls(slowed), ROUNDS, seed=3)
-    assert samples.shape == (ROUNDS, len(TIMES))
-    times = timing.steady(samples)
+    calls = [partial(pass_by, time) for time in TIMES]
+    times = timing.steady(timing.in_turn(calls, ROUNDS, seed=3))
     left = timing.estimate(times[:, 0]).value / TIMES[0]
     assert left == pytest.approx(scale, rel=0.03)
     for first, second in combinations(range(len(TIMES)), 2):
@@ -260,19 +248,14 @@ def test_differences_are_found_on_a_machine_that_slows_down(slowed, scale):
 
 def test_a_price_is_of_one_call_of_many(monkeypatch):
     """Seconds of a sample over its repetitions; a clock that counts repetitions gives one."""
-    clock, asked = [0.0], []
-
-    def call(times):
-        clock[0] += 1e-5 * times
-        asked.append(times)
+    asked = []
 
     def timed(task, number):
-        begin = clock[0]
         task()
-        return clock[0] - begin
+        return 1e-5 * asked[-1]
 
     monkeypatch.setattr(timing, "timeit", timed)
-    assert_allclose(timing.medians([call], 3), 1e-5, rtol=1e-9)
+    assert_allclose(timing.medians([asked.append], 3), 1e-5, rtol=1e-9)
     assert asked == [1, 1, 100, 100, 100]
 
 
@@ -285,22 +268,21 @@ def test_the_command_writes_the_page_and_the_figures(tmp_path):
     What was measured in full is not measured again quickly. The figures' data are there; the rest
     of the command runs in small sizes.
     """
-    first, *others = PRICED
+    first, *others = PRICE_PANELS
     full = data(first) | {"load": np.float64(1e4), "machine": "another machine"}
-    keep(tmp_path / f"{first}.npz", first, False, full)
-    kept = (tmp_path / f"{first}.npz").read_bytes()
+    archive = tmp_path / f"{first}.npz"
+    keep(archive, first, False, full)
+    kept = archive.read_bytes()
     with tiny() as patch:
-        for name in PRICED:
+        for name in PRICE_PANELS:
             patch.setattr(figures.load(name), "data", Mock(return_value=data(name)))
         enter("figures prices --out", tmp_path)
-    assert (tmp_path / f"{first}.npz").read_bytes() == kept
+    assert archive.read_bytes() == kept
     assert all(made(tmp_path / f"{name}.npz")["quick"] for name in others)
-    names = {f"{name}.{kind}" for name in others for kind in ("npz", "png", "pdf")}
-    names |= {f"{first}.npz"}
-    names |= {f"prices.{kind}" for kind in ("txt", "json", "png")}
+    names = {*files_of(*others), archive.name, "prices.txt", "prices.json", "prices.png"}
     assert names_in(tmp_path) == names
     words = (tmp_path / "prices.txt").read_text("utf-8")
-    titles = [figures.FIGURES[name].title for name in PRICED]
+    titles = [figures.FIGURES[name].title for name in PRICE_PANELS]
     for word in (*titles, "alone[0]", "within[0]", "row[0]", "sweep[0]"):
         assert word in words
     text = (tmp_path / "prices.json").read_text("utf-8")
@@ -309,5 +291,7 @@ def test_the_command_writes_the_page_and_the_figures(tmp_path):
     alone = data("effect_prices")["alone"][:, :2].tolist()
     assert [effect["alone"] for effect in numbers["effects"]] == alone
     assert numbers["cores"][0] == {"count": 1, "gain": 1.0}
+    ways = {f"{way} {law}" for way in ("numpy", "compiled") for law in LAWS}
+    assert numbers["impact_ns"].keys() == ways
     assert min(numbers["impact_ns"].values()) > 0
     assert all(0 < ulp < 6 for law in numbers["impact_ulp"] for ulp in law["largest"])

@@ -6,7 +6,6 @@ import os
 import re
 from urllib.parse import unquote, unquote_to_bytes
 
-import numpy as np
 import pytest
 from PIL import Image
 
@@ -19,6 +18,7 @@ from figures.claims import judge
 from figures.cost.price_page import PRICE_PANELS
 from figures.lib import runs
 from figures.lib.data import keep
+from figures.lib.drawing import files_of
 from figures.lib.printing import plain
 from figures.pages import everything, gallery, index
 from md.store import Store
@@ -61,8 +61,8 @@ def half(tmp_path_factory):
     for name in list(FIGURES)[::2]:
         picture(out / f"{name}.png")
         (out / f"{name}.pdf").touch()
-    np.savez(out / "fig02.npz", provenance=json.dumps({"quick": True}))
-    np.savez(out / "fig05.npz", provenance=json.dumps({"quick": False}))
+    keep(out / "fig02.npz", "fig02", True, {})
+    keep(out / "fig05.npz", "fig05", False, {})
     (out / "fig08.npz").write_bytes(b"PK\x03\x04 no archive")
     for name in (*STRANGE, ".quasi2d.part.gif", "prices.png", "quasi2d.gif"):
         picture(out / name)
@@ -78,17 +78,16 @@ def half(tmp_path_factory):
 
 def test_what_a_folder_lacks_is_lent(tmp_path):
     """Pictures, movie, and every statement of the claims, to a folder with a file to show."""
-    out = tmp_path
-    (out / "prices.txt").touch()
-    source, page = made(out)
+    (tmp_path / "prices.txt").touch()
+    source, page = made(tmp_path)
     assert "report.html" not in source
-    lent = {f"gallery/{path.name}" for path in (out / "gallery").iterdir()}
+    lent = {f"gallery/{path.name}" for path in (tmp_path / "gallery").iterdir()}
     for name in lent:
-        assert (out / name).read_bytes() == (gallery.GALLERY.parent / name).read_bytes()
+        assert (tmp_path / name).read_bytes() == (gallery.GALLERY.parent / name).read_bytes()
     assert lent | {"impact.html"} == {link for link in page.links if not link.startswith("#")}
     named = {"row.gif", "claims.md", "claims.json", *(f"{name}.png" for name in LENT)}
     assert {f"gallery/{name}" for name in named} <= lent
-    words = index.Folder(out).text
+    words = index.Folder(tmp_path).text
     for claim in judge.load(gallery.GALLERY / "claims.json")["claims"]:
         assert claim["id"] in page.text["claims"]
         for row in judge.statements(claim):
@@ -110,7 +109,6 @@ def test_every_figure_is_there_with_its_command(half):
         assert text in page.text["prices" if name in PRICE_PANELS else "pictures"]
     sources = [image["src"] for image in page.images]
     assert len(sources) == len(set(sources))
-    assert not {f"{name}.png" for name in FIGURES if name not in drawn} & set(sources)
     for image in page.images:
         with Image.open(out / unquote(image["src"])) as opened:
             assert opened.size == (int(image["width"]), int(image["height"]))
@@ -156,8 +154,13 @@ def test_captions_are_words(name, tmp_path):
 
 
 def report_of(numbers):
-    claim = {"id": "S<1>", "says": "V_z < 0 & more.", "figure": ""}
-    claim |= {"numbers": numbers, "trouble": ""}
+    claim = {
+        "id": "S<1>",
+        "says": "V_z < 0 & more.",
+        "figure": "",
+        "numbers": numbers,
+        "trouble": "",
+    }
     return json.dumps(plain({"provenance": {"quick": True}, "claims": [claim]}))
 
 
@@ -220,10 +223,10 @@ def test_the_page_comes_last_of_all(tmp_path, monkeypatch):
 
 def test_figures_are_left_to_draw_if_not_whole_or_of_other_sources(tmp_path, monkeypatch):
     assert everything.left(tmp_path) == list(FIGURES)
-    for name, quick in (("fig10", False), ("fig11", True), ("alpha", False), ("fig12", False)):
+    for name, quick in (("fig10", False), ("fig11", True), ("fig12", False)):
         keep(tmp_path / f"{name}.npz", name, quick, {})
-        (tmp_path / f"{name}.png").touch()
-        (tmp_path / f"{name}.pdf").touch()
+    for file in files_of("fig10", "fig11", "fig12", "alpha"):
+        (tmp_path / file).touch()
     (tmp_path / "fig12.pdf").unlink()
     with monkeypatch.context() as patch:
         patch.setattr("figures.lib.data.sources", lambda name: "others")

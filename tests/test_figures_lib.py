@@ -23,8 +23,8 @@ from .quick_figures import tiny
 
 def test_a_drawn_figure_is_three_files(tmp_path):
     out = tmp_path / "new" / "folder"
-    printed = enter("figures draw fig10 --quick --out", out)
-    assert printed == (f"{out}/fig10.png  fig10.pdf  fig10.npz\n", "")
+    said = f"{out}/fig10.png  fig10.pdf  fig10.npz\n"
+    assert enter("figures draw fig10 --quick --out", out) == (said, "")
     assert names_in(out) == {"fig10.npz", "fig10.png", "fig10.pdf"}
     made = kept.made(out / "fig10.npz")
     assert (made["impact"], made["numpy"], made["quick"]) == (DIGEST, np.__version__, True)
@@ -36,16 +36,14 @@ def test_interrupted_leaves_nothing_half_written(tmp_path, monkeypatch):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(Figure, "savefig", interrupted)
-    printed = enter("figures draw fig10 --quick --out", tmp_path, code=130)
-    assert printed.err.count("\n") == 1
+    assert enter("figures draw fig10 --quick --out", tmp_path, code=130).err.count("\n") == 1
     assert names_in(tmp_path) == {"fig10.npz"}
 
 
 def test_a_figure_that_fails_leaves_the_others(tmp_path, monkeypatch):
     """In this process and in others; a mistake of ours is told with its traceback."""
     for name, alone in (("unknown_to_others", False), ("without_module", True)):
-        entry = figures.Entry("paper", "", alone=alone)
-        monkeypatch.setitem(figures.FIGURES, name, entry)
+        monkeypatch.setitem(figures.FIGURES, name, figures.Entry("paper", "", alone=alone))
     drawn = "figures draw unknown_to_others without_module fig10 --quick --jobs 2 --out"
     printed = enter(drawn, tmp_path, code=1)
     assert "unknown_to_others failed: there is no figure" in printed.err
@@ -81,24 +79,21 @@ def test_sources_are_those_that_decide(tmp_path, monkeypatch):
         kept._digest.cache_clear()
         return kept.sources(name)
 
-    before = digest()
     for name, counts in {
         "figures/paper/fig10.py": True,
         "figures/lib/style.py": True,
         "impact/boundaries.py": True,
         "figures/paper/fig11.py": False,
     }.items():
-        path = tmp_path / name
+        before, path = digest(), tmp_path / name
         text = path.read_text()
         path.write_text('"""Other words."""\n' + text.split('"""', 2)[2] + "# and a remark\n")
         assert digest() == before
         path.write_text(f"{text}\nANOTHER = 1\n")
         assert (digest() != before) == counts
-        path.write_text(text)
     before, table = digest("two_codes"), tmp_path / "figures/checks/two_codes.toml"
     table.write_text(table.read_text() + "# another run\n")
     assert digest("two_codes") != before
-    kept._digest.cache_clear()
 
 
 def test_quick_pictures_say_so_and_full_ones_do_not(tmp_path, monkeypatch):
@@ -131,9 +126,10 @@ def test_a_figure_is_drawn_from_the_data_of_a_folder(tmp_path, name):
     np.savez(data, **figures.load(name).data(quick=True))
     enter(f"figures draw {name} --data", tmp_path, "--out", out)
     assert names_in(out) == {f"{name}.png", f"{name}.pdf"}
-    data.write_bytes(b"no data")
-    said = enter(f"figures draw {name} --data", tmp_path, "--out", out, code=2).err
-    assert f"{name}.npz holds no data of a figure" in said
+    for others in (lambda: data.write_bytes(b"no data"), lambda: np.savez(data, mine=1.0)):
+        others()
+        said = enter(f"figures draw {name} --data", tmp_path, "--out", out, code=2).err
+        assert f"{name}.npz holds no data of {name}" in said
 
 
 # Runs

@@ -10,9 +10,8 @@ import md
 from md import simulation, trajectory
 
 from .command_line import enter, names_in
-from .rows import ROW, row, sets
+from .rows import LIVELY, ROW, row, sets
 
-SCENE = ["step.size=3e-4", "plate.acceleration=5"]
 FULL = Mock(side_effect=OSError(errno.ENOSPC, os.strerror(errno.ENOSPC)))  # a disk
 
 
@@ -27,7 +26,7 @@ FULL = Mock(side_effect=OSError(errno.ENOSPC, os.strerror(errno.ENOSPC)))  # a d
 def test_a_run_that_a_full_disk_has_ended_goes_on(tmp_path, monkeypatch, where, what, file):
     """The command names the file; the checkpoint before holds, and the frames are filled in."""
     kept = "--checkpoint", tmp_path / "w.npz", "--trajectory", tmp_path / "a.xyz"
-    command = "md run quasi2d --frames 6", *sets(*ROW, *SCENE), *kept, "--periods"
+    command = "md run quasi2d --frames 6", *sets(*ROW, *LIVELY), *kept, "--periods"
     enter(*command, 2)
     saved = (tmp_path / "w.npz").read_bytes()
     with monkeypatch.context() as patch:
@@ -38,7 +37,7 @@ def test_a_run_that_a_full_disk_has_ended_goes_on(tmp_path, monkeypatch, where, 
     assert rest[:5] == ("" if what == "write" else "rods ")
     assert (tmp_path / "w.npz").read_bytes() == saved
     printed = enter(*command, 3).out
-    once = md.run(row(*SCENE), periods=3, trajectory=tmp_path / "once.xyz", frames=6)
+    once = md.run(row(*LIVELY), periods=3, trajectory=tmp_path / "once.xyz", frames=6)
     assert f"c_x = {once.c_x:.4g} sqrt(g d)" in printed
     assert names_in(tmp_path) == {"a.xyz", "once.xyz", "w.npz"}
     assert (tmp_path / "a.xyz").read_text() == (tmp_path / "once.xyz").read_text()

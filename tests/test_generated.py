@@ -19,22 +19,16 @@ from .sampling import each_law
 from .test_public_api import ODD
 
 
-def _meant(function):
-    """What each name in a generated function stands for, as derived; outputs among them."""
+def _numbers(function):
+    """Arguments at three random points, at 50 digits, and what each output is worth there."""
     body, _ = function.body
+    arguments = {str(x): sp.sympify(x).subs(function.meaning) for x in function.arguments}
     values = rewrites.written_out(body, function.meaning)
-    meant = {str(symbol): value for symbol, value in values.items()}
-    meant |= {str(x): sp.sympify(x).subs(function.meaning) for x in function.arguments}
+    meant = {str(symbol): value for symbol, value in values.items()} | arguments
     meant |= {str(x): derived.subs(function.meaning) for x, derived in function.outputs.items()}
     outputs = " ".join(str(symbol) for symbol in body if symbol in function.outputs)
     names = function.words.get("returned", outputs).split()
-    return [meant[name] for name in names]
-
-
-def _numbers(function):
-    """Arguments at three random points, at 50 digits, and what each output is worth there."""
-    arguments = [sp.sympify(x).subs(function.meaning) for x in function.arguments]
-    forms = [*arguments, *_meant(function)]
+    forms = [*arguments.values(), *map(meant.get, names)]
     letters = sp.Tuple(*forms).free_symbols
     with mpmath.workdps(50):
         for seed in range(3):
@@ -43,23 +37,15 @@ def _numbers(function):
             yield numbers[: len(arguments)], numbers[len(arguments) :]
 
 
-def _is_right(generated, numbers):
-    """Whether a generated function has the derived values."""
-    with mpmath.workdps(50):
-        return all(
-            mpmath.almosteq(value, derived, 1e-20, 1e-20)
-            for given, wanted in numbers
-            for value, derived in zip(np.atleast_1d(generated(*given)), wanted, strict=True)
-        )
-
-
 def _computing_lines(tree):
     """(function, node) of each line of the generated file that computes something."""
-    for function in (node for node in tree.body if isinstance(node, ast.FunctionDef)):
-        for line in function.body:
-            plain = isinstance(line, ast.Return) and isinstance(line.value, ast.Tuple | ast.Name)
-            if isinstance(line, ast.Assign | ast.Return) and not plain:
-                yield function.name, line
+    for function in tree.body:
+        for line in getattr(function, "body", []):
+            match line:
+                case ast.Return(ast.Tuple() | ast.Name()):
+                    pass
+                case ast.Assign() | ast.Return():
+                    yield function.name, line
 
 
 def test_generated_functions_are_their_derivations_and_no_line_may_change():
@@ -69,9 +55,14 @@ def test_generated_functions_are_their_derivations_and_no_line_may_change():
     numbers = {name: list(_numbers(function)) for name, function in functions.items()}
 
     def right(name):
-        namespace = {}
-        exec(compile(ast.fix_missing_locations(tree), "generated", "exec"), namespace)
-        return _is_right(namespace[name], numbers[name])
+        space = {}
+        exec(compile(ast.fix_missing_locations(tree), "generated", "exec"), space)
+        with mpmath.workdps(50):
+            return all(
+                mpmath.almosteq(value, derived, 1e-20, 1e-20)
+                for given, wanted in numbers[name]
+                for value, derived in zip(np.atleast_1d(space[name](*given)), wanted, strict=True)
+            )
 
     assert all(map(right, functions))
     lines = list(_computing_lines(tree))

@@ -15,18 +15,17 @@ from md.kernels import touches
 from md.kernels.codes import (
     DEEP,
     DIRECTOR,
-    OMEGA,
     PLACE,
     PLATE_WORK,
     ROW_DIRECTION,
     ROW_PLACE,
+    ROW_VELOCITY,
     TURN,
     VELOCITY,
     X,
 )
 from md.kernels.contact import ContactForces, Friction
 from md.kernels.state import Motion, Wall
-from md.kernels.surfaces import plate_at
 from md.laws import deepest_overlap
 
 from .rows import (
@@ -46,6 +45,8 @@ from .rows import (
     in_plane,
     in_space,
     kinetic,
+    radii,
+    resting_overlap,
     ring,
     row,
     started,
@@ -59,7 +60,6 @@ from .sampling import EPS
 LYING = 0, 0, pi / 2
 INTO_LYING = {
     "an end deep in a side": (0.0, 4.7, 0),
-    "fast into a side": (0.0, 5.26, 0, 0, -700.0, 0),
     "through in a step": (1.3, 5.26, 0, 0, -6e4, 0),
     "in one place": LYING,
 }
@@ -69,7 +69,7 @@ INTO_LYING = {
 def test_m8_rods_that_pass_into_one_another_are_stopped(name):
     """They are stopped at once, with rods and time, as they were when all was legal."""
     engine = started(ELASTIC_PLANE, in_plane(LYING, INTO_LYING[name]))
-    why = r"rods 0 and 1: more .* at t = |rod 1: moved .* at t = "
+    why = r"rods 0 and 1: more .* at t = |rod 1: moved more than 0.25 d in a step at t = "
     with pytest.raises(md.RunError, match=why) as caught:
         go(engine, 200)
     assert engine.step <= 20
@@ -121,20 +121,30 @@ def test_m8_crossing_rods_do_not_pass_through_each_other(seed):
         assert deep == (speed == 60)
 
 
-def test_m8_what_is_too_deep_is_named():
+@pytest.mark.parametrize(
+    ("columns", "to", "words"),
+    [
+        (slice(PLACE, DIRECTOR), (0, 0, -1), "rod 3: more than 0.5 d deep in the plate"),
+        (slice(PLACE, DIRECTOR), (-1, 0, 0), "rod 3: more than 0.5 d deep in a wall"),
+        (slice(PLACE, DIRECTOR), (1, 0, 0), "rod 3: more than 0.5 d deep in a wall"),
+        (slice(VELOCITY, TURN), (0, 0, 3e3), "rod 3: moved more than 0.25 d in a step"),
+    ],
+)
+def test_m8_what_is_too_deep_or_too_fast_is_named(columns, to, words):
+    engine = prepare(ring())
+    outwards = engine.rods[3, :2] / np.hypot(*engine.rods[3, :2])
+    engine.rods[3, columns] += (*(to[0] * outwards), to[2])
+    before = engine.rods.copy()
+    with pytest.raises(md.RunError, match=words) as error:
+        go(engine, 10)
+    if "deep" in words:
+        assert_array_equal(error.value.state, before)
+
+
+def test_m8_two_rods_in_one_place_are_named():
     engine = prepare(ring())
     engine.rods[3, :VELOCITY] = engine.rods[1, :VELOCITY] + 1e-3
     with pytest.raises(md.RunError, match=r"rods 1 and 3: more than 0.5 d deep in each other"):
-        go(engine, 10)
-    engine = prepare(ring("rods.count=2"))
-    engine.rods[1, PLACE + 2] -= 1
-    before = engine.rods.copy()
-    with pytest.raises(md.RunError, match=r"rod 1: more than 0.5 d deep in the plate") as error:
-        go(engine, 10)
-    assert_array_equal(error.value.state, before)
-    engine = prepare(ring())
-    engine.rods[4, VELOCITY:TURN] = 0, 0, 3e3
-    with pytest.raises(md.RunError, match=r"rod 4: moved more than 0.25 d in a step at t = "):
         go(engine, 10)
 
 
@@ -143,16 +153,10 @@ def test_m8_what_is_too_deep_is_named():
 INNER, OUTER = 5.0, 40.0  # radii of walls
 
 
-def from_axis(rod):
-    """Distances of places along a rod from the axis of the walls."""
-    along = np.linspace(-HALF, HALF, 401)[:, None] * rod[DIRECTOR:VELOCITY]
-    return np.hypot(*(rod[PLACE:DIRECTOR] + along).T[:2])
-
-
 @pytest.mark.parametrize(("speed", "every"), [(0.1, 40), (3.0, 20)])  # a tenth of a contact
 @pytest.mark.parametrize("friction", [SMOOTH, ROUGH], ids=["smooth", "rough"])
 @pytest.mark.parametrize(
-    "director", [(0, 1, 0), (0, 0, 1), (0, 0, -1), (0.2, 0.9, 0.5), (1, 0.3, 0.1), (1, 0, 0)]
+    "director", [(0, 1, 0), (0, 0, 1), (0.2, 0.9, 0.5), (1, 0.3, 0.1), (1, 0, 0)]
 )
 @pytest.mark.parametrize("inner", [True, False], ids=["inner", "outer"])
 def test_m10_no_wall_is_entered_beyond_the_soft_overlap(inner, director, friction, speed, every):
@@ -164,7 +168,7 @@ def test_m10_no_wall_is_entered_beyond_the_soft_overlap(inner, director, frictio
     flying = started(SPACE._replace(**{"inner" if inner else "outer": wall}), in_space(thrown))
     deepest, energy = -np.inf, kinetic(flying)
     for _ in range(int(2.5 / speed / 1e-4 / every)):
-        reach = side * (from_axis(go(flying, every).rods[0]) - wall.radius)
+        reach = side * (radii(go(flying, every).rods) - wall.radius)
         deepest = max(deepest, 0.5 - reach.min())
     assert 0 < deepest < 1.05 * deepest_overlap(LOSSY, 1.05 * speed)
     assert kinetic(flying) < energy
@@ -191,11 +195,15 @@ def test_a_rod_pressed_between_shaken_walls_moves_with_them(rough):
 def test_m5_a_rod_that_lies_and_is_pushed_does_not_creep(spring):
     """Pushed with 0.9 mu m g for 1000 periods it creeps < 1e-10 d once its spring is stretched."""
     law, mu, period = md.constant_restitution(0.5, 1e3, tangential_ratio=2.0), 0.3, 135
-    friction = Friction(mu, law.spring if spring else None)
-    scene = PLANE._replace(normal=law.normal, friction=friction, plate=AT_REST)
-    z = 0.5 - (1 / (2 * law.normal.stiffness)) ** (2 / 3)
+    scene = PLANE._replace(
+        normal=law.normal,
+        friction=Friction(mu, law.spring if spring else None),
+        gravity=(0.9 * mu, -1.0),
+        plate=AT_REST,
+    )
+    z = 0.5 - resting_overlap(0.5, law.normal.stiffness)
     rods = in_plane((0.0, z, pi / 2), (100.0, z, pi / 2))
-    engine = started(scene._replace(gravity=(0.9 * mu, -1.0)), rods, 5e-3)
+    engine = started(scene, rods, 5e-3)
     place = go(engine, 100 * period).rods[0, X]  # settles
     assert abs(go(engine, 1000 * period).rods[0, X] - place) < 1e-10
     assert abs(place) < 0.1
@@ -208,9 +216,8 @@ def test_m5_a_rod_that_lies_and_is_pushed_does_not_creep(spring):
 def test_m5_a_lying_rod_that_a_wall_pushes_does_not_creep():
     """Pushed with a third of the friction there is, it creeps less than 1e-10 d in 1e3 units."""
     force = 0.1
-    deep, pressed = (force / SOFT) ** (2 / 3), (0.5 / SOFT) ** (2 / 3)
-    x = INNER + 0.5 - deep + HALF
-    rods = in_space(((x, 0, 0.5 - pressed), (1, 0, 0)))
+    x = INNER + 0.5 - resting_overlap(force) + HALF
+    rods = in_space(((x, 0, 0.5 - resting_overlap(0.5)), (1, 0, 0)))
     scene = ROLLS._replace(inner=Wall(INNER, ELASTIC, SMOOTH), plate=AT_REST, gravity=-1.0)
     lying = go(started(scene, rods, 1e-3), 3000)  # settles
     before = lying.rods.copy()
@@ -246,15 +253,15 @@ def test_m6_the_largest_step_is_stable_for_a_row_pressed_together():
     Pressed by as much as the impacts that the step is made for. No energy from nothing: by 5 %
     in 200 steps at most, which at the border only bounded oscillations of the ledger's energy take.
     """
-    n, contact = 6, md.scene.Contact(md.coulomb(1.0, SOFT))
+    n, law = 6, md.coulomb(1.0, SOFT)
     scene = md.Scene(
         rods=md.scene.Rods(n, 9.5),
-        contacts=md.Contacts(rods=contact),
+        contacts=md.Contacts(rods=md.scene.Contact(law)),
         start=md.Start(tilt_deg=0.0, speed=0.5),
     )
-    x = np.arange(n) * (1 - (1.25 * 0.5**2 / SOFT) ** 0.4 / 2)
+    x = np.arange(n) * (1 - deepest_overlap(law, 0.5) / 2)
     rods = in_plane(*((place, 0.0, 0.0) for place in x))
-    rods[:, OMEGA - 2 :] = 0.01 * default_rng(3).uniform(-1, 1, (n, 3))
+    rods[:, ROW_VELOCITY] = 0.01 * default_rng(3).uniform(-1, 1, (n, 3))
     engine = go(started(ELASTIC_PLANE, rods, 0.999 * largest(scene)), 1)
     before = engine.energy()
     assert go(engine, 200).energy() < 1.2 * before
@@ -266,8 +273,7 @@ def test_m6_the_largest_step_is_stable_for_rods_side_by_side(rolling):
 
     They overlap as deep as impacts go.
     """
-    rolls = f"rods.rolling={str(rolling).lower()}"
-    asked = ring(rolls, "rods.length=9.5", "step.coarse=false")
+    asked = ring(f"rods.rolling={rolling}", "rods.length=9.5", "step.coarse=false")
     deep = deepest_overlap(LOSSY, asked.impact_speed)
     rods = in_space(*(((i * (1 - deep), 0, 0), (0, 0, 1)) for i in range(5)), aside=20.0)
     rods[:, VELOCITY:] = default_rng(2).uniform(-1e-6, 1e-6, (5, 6))
@@ -285,22 +291,18 @@ def test_m6_the_largest_step_is_stable_for_rods_side_by_side(rolling):
 # M11: the phase
 
 
-def test_m11_phase_after_a_million_periods():
-    """Steps are counted: the plate is where it was a million periods ago, to the last bit.
-
-    And where it is at any step of its period differs from the sine by rounding alone.
-    """
-    scene = row("step.size=3e-4")
-    per, amplitude = prepare(scene).per, scene.plate_speed / (2 * pi * scene.frequency)
-    plate = plate_motion(scene, per)
+def test_m11_the_plate_follows_the_sine():
+    """Where it is at any step of its period differs from the sine by rounding alone."""
+    scene, per = row(), 6739
+    amplitude, plate = scene.plate_speed / (2 * pi * scene.frequency), plate_motion(scene, per)
     for i in range(0, per, per // 50):
-        assert plate_at(plate, 10**6 * per + i) == (plate.height[i], plate.velocity[i])
         with mpmath.workdps(40):
             exact = -amplitude * mpmath.cos(2 * mpmath.pi * i / per)
             assert abs(plate.height[i] - exact) <= amplitude * 4 * pi * EPS
 
 
 def test_m11_a_run_a_million_periods_later_is_the_same():
+    """Steps are counted: the plate is where it was a million periods ago, to the last bit."""
     late, early = (prepare(row("step.size=3e-4")) for _ in range(2))
     assert early.dt * early.scene.frequency * early.per == pytest.approx(1, abs=2 * EPS)
     late.step = 10**6 * early.per
@@ -313,7 +315,7 @@ def test_m11_a_run_a_million_periods_later_is_the_same():
 # M16: a state that is no longer one
 
 
-@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1e200])
+@pytest.mark.parametrize("value", [np.nan, -np.inf, 1e200])
 @pytest.mark.parametrize("scene", [row("start.drop=0.1"), ring()], ids=["row", "annulus"])
 def test_m16_a_state_that_is_not_finite_stops_the_run_at_once(scene, value):
     """A bad number in any rod stops it; given back is what there was, all rods of one moment."""
@@ -330,12 +332,11 @@ def test_m16_a_state_that_is_not_finite_stops_the_run_at_once(scene, value):
 
 
 def test_rods_that_lie_down_and_rods_that_cross_go_on():
-    """A rod on the plate and one dropped across it in a wide gap are finite, at rest in the end."""
+    """A rod on the plate and one dropped across it in a wide gap are at rest in the end."""
     lying, crossing = ((9, 0, 0.51), [0, 1, 0]), ((9, 0, 1.55), [1, 0, 0], (0, 0, -0.5))
-    outer = SPACE.outer._replace(radius=20.0)
+    outer = Wall(20.0, LOSSY.normal, ROUGH)
     scene = SPACE._replace(outer=outer, plate=AT_REST, gravity=-1.0)
     both = go(started(scene, in_space(lying, crossing)), 100_000)
-    assert np.isfinite(both.rods).all()
     assert kinetic(both) < 1e-3
     lowest = both.rods[:, PLACE + 2] - HALF * np.abs(both.rods[:, DIRECTOR + 2])
     assert (lowest > 0.49).all()

@@ -18,8 +18,6 @@ import md
 from .command_line import COMMANDS, enter, python, refused
 
 GROUPS = {name: importlib.import_module(f"{name}.__main__").main for name in COMMANDS}
-# Beginnings of examples that take a second at most; the others are read, not run.
-CHEAP = ("md impact", "figures list", "md run my_rods --periods")
 # Each command by its words, as "md run", with its group as "md".
 ALL = GROUPS | {
     f"{name} {inner}": c for name, g in GROUPS.items() for inner, c in g.commands.items()
@@ -62,12 +60,13 @@ def test_examples_are_commands(words):
     """Each example parses, and names scenes and figures that are there."""
     package, name, *arguments = words
     given = ALL[f"{package} {name}"].make_context(name, arguments).params
-    if (given.get("scene") or "mine.toml") != "mine.toml":
+    if given.get("scene") not in (None, "mine.toml"):
         assert md.load(given["scene"], given.get("changes", ()))
     assert set(given.get("names", ())) <= set(figures.FIGURES)
 
 
-@pytest.mark.parametrize("beginning", CHEAP)
+# Those that take a second at most; the others are read, not run.
+@pytest.mark.parametrize("beginning", ["md impact", "figures list", "md run my_rods --periods"])
 def test_cheap_examples_run(beginning, here):
     cheap = [words for words in EXAMPLES if " ".join(words).startswith(beginning)]
     assert cheap
@@ -81,11 +80,6 @@ def test_bad_usage_begins_with_the_command(name):
     refused(f"python -m {name}: No such", name, "--nonsense")
 
 
-ENDS = [
-    (KeyboardInterrupt, 130, "interrupted"),
-    (MemoryError, 1, "not enough memory"),
-    (md.RunError("the contact has not ended", ()), 1, "the contact has not ended"),
-]
 DONE = {  # a command, and the function that does its work
     "derivations check": "derivations.__main__._bar",
     "figures index": "figures.pages.index.files",
@@ -100,7 +94,14 @@ def failing(request, here, monkeypatch):
     return " ".join(request.param.split()[:2]), partial(enter, request.param), work
 
 
-@pytest.mark.parametrize(("error", "code", "said"), ENDS)
+@pytest.mark.parametrize(
+    ("error", "code", "said"),
+    [
+        (KeyboardInterrupt, 130, "interrupted"),
+        (MemoryError, 1, "not enough memory"),
+        (md.RunError("the contact has not ended", ()), 1, "the contact has not ended"),
+    ],
+)
 def test_ends_before_the_time(failing, error, code, said):
     """Ctrl-C is 130, what fails is 1; one line, that begins with the command."""
     command, call, work = failing
@@ -121,8 +122,7 @@ def test_a_mistake_of_ours_keeps_its_traceback(failing, error):
 
 def test_help_is_cheap():
     """No command of these packages needs Numba, SciPy or Matplotlib to explain itself."""
-    code = "import sys, figures.__main__; print(*sys.modules)"
-    done = python("-c", code)
+    done = python("-c", "import sys, figures.__main__; print(*sys.modules)")
     assert done.returncode == 0
     assert not {"matplotlib", "md", "numba", "scipy", "sympy"} & {*done.stdout.split()}
 

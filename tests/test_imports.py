@@ -2,6 +2,7 @@
 
 import ast
 from graphlib import TopologicalSorter
+from importlib.util import resolve_name
 
 import pytest
 
@@ -14,25 +15,24 @@ BORDERS = {  # that `impact` does not load Numba by itself, `test_help` shows
 }
 
 
-def modules(root, package):
+def modules(package):
     """Files of a package by the names of their modules."""
-    files = sorted((root / package).rglob("*.py"))
-    return {".".join(f.relative_to(root).with_suffix("").parts): f for f in files}
+    files = sorted((ROOT / package).rglob("*.py"))
+    return {".".join(f.relative_to(ROOT).with_suffix("").parts): f for f in files}
 
 
-def imported(name, path, known):
+def imported(name, known):
     """Modules and packages of any import statement, those inside of functions included.
 
     A package of ours stands for its `__init__`, which imports what it collects: only its own import
     of a module makes an edge, not that a module lies in it.
     """
     found = set()
-    for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+    for node in ast.walk(ast.parse(known[name].read_text("utf-8"))):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
-            here = name.split(".")[: -node.level] if node.level else []
-            base = ".".join([*here, *(node.module or "").split(".")]).strip(".")
+            base = resolve_name("." * node.level + (node.module or ""), name.rpartition(".")[0])
             inner = {f"{base}.{alias.name}" for alias in node.names}
             found |= {one if {one, f"{one}.__init__"} & known.keys() else base for one in inner}
     return {f"{one}.__init__" if f"{one}.__init__" in known else one for one in found}
@@ -40,15 +40,15 @@ def imported(name, path, known):
 
 @pytest.mark.parametrize("package", PACKAGES)
 def test_no_circular_import(package):
-    known = modules(ROOT, package)
-    graph = {name: imported(name, path, known) & known.keys() for name, path in known.items()}
+    known = modules(package)
+    graph = {name: imported(name, known) & known.keys() for name in known}
     TopologicalSorter(graph).prepare()  # names a circle
 
 
 @pytest.mark.parametrize("package", BORDERS)
 def test_import_borders(package):
-    known = modules(ROOT, package)
-    for name, path in known.items():
-        roots = {one.partition(".")[0] for one in imported(name, path, known)}
+    known = modules(package)
+    for name in known:
+        roots = {one.partition(".")[0] for one in imported(name, known)}
         drawings = {"matplotlib"} if name == "derivations.drawings" else set()
         assert not ({*BORDERS[package].split()} - drawings) & roots

@@ -27,7 +27,7 @@ from md.kernels.codes import WATCHED
 from md.laws import effects_of
 
 from .command_line import COMMANDS, ROOT, each_signal, ended, left, python
-from .rows import go, row
+from .rows import LIVELY, go, row
 from .track import CONTACT
 
 
@@ -56,9 +56,12 @@ def alarm():
 
 def test_all_packages_do_the_same():
     """Sources that stand in several packages are the same: none imports another."""
-    assert inspect.getsource(_interrupt.deferred) == inspect.getsource(interrupt.deferred)
-    for name in ("plain", "replacing"):
-        assert inspect.getsource(getattr(files, name)) == inspect.getsource(getattr(md.files, name))
+    for one, other in (
+        (_interrupt.deferred, interrupt.deferred),
+        (files.plain, md.files.plain),
+        (files.replacing, replacing),
+    ):
+        assert inspect.getsource(one) == inspect.getsource(other)
     for name in ("command_line", "early_signals"):
         assert len({(ROOT / package / f"{name}.py").read_bytes() for package in COMMANDS}) == 1
 
@@ -237,8 +240,7 @@ def test_a_figure_is_not_made_of_half_a_run(monkeypatch):
     """A figure ends where `md.run` would return half a run, marked as not finished."""
 
     def figure():
-        scene = row("step.size=3e-4", "plate.acceleration=5")
-        md.run(scene, periods=100_000, observe=lambda _: signal.raise_signal(signal.SIGINT))
+        md.run(row(*LIVELY), periods=100_000, observe=lambda _: signal.raise_signal(signal.SIGINT))
 
     assert exit_code(monkeypatch, figure) == 130
 
@@ -290,19 +292,18 @@ def test_without_the_compiler(command, code, tmp_path):
 # Any time
 
 
-BEGUN = {
-    "md": "sweep drift --store a.db",
-    "figures": "draw --all",
-    "derivations": "check",
-}
-
-
 @pytest.mark.parametrize(
-    ("package", "number"), [*zip(BEGUN, 2 * interrupt.SIGNALS[:2], strict=False)]
+    ("line", "number"),
+    [
+        ("md sweep drift --store a.db", signal.SIGINT),
+        ("figures draw --all", signal.SIGTERM),
+        ("derivations check", signal.SIGINT),
+    ],
 )
-def test_a_signal_during_the_imports_ends_the_command(package, number, tmp_path):
+def test_a_signal_during_the_imports_ends_the_command(line, number, tmp_path):
     """It does from the first module of the package on, whatever is being imported."""
-    command = [sys.executable, "-X", "importtime", "-m", package, *BEGUN[package].split()]
+    package, *words = line.split()
+    command = [sys.executable, "-X", "importtime", "-m", package, *words]
     for seconds in (0.0, 0.2):
         with subprocess.Popen(
             command,
@@ -345,5 +346,5 @@ def test_a_signal_at_any_time_ends_the_command(name, number, tmp_path):
             assert not error
         else:
             assert error.count("\n") in ((0, 1) if name == "run" else (1,))  # or a result
-        assert not [file for file in folder.iterdir() if ".part" in file.name]
+        assert not [*folder.glob("*.part*")]
         assert not left(folder)

@@ -8,8 +8,6 @@ import pytest
 import xarray as xr
 from numpy.testing import assert_equal
 
-import impact
-
 from .test_public_api import SOLID, call, each_function, numbers_of
 
 
@@ -36,10 +34,10 @@ def test_labels_that_differ_are_refused_and_equal_ones_are_not(function):
         assert_equal(alike, paired(function, **{one: None, other: None}))
 
 
-@pytest.mark.parametrize("shape", [impact.thin_rod, impact.spherocylinder, impact.flat_ended_rod])
+@pytest.mark.parametrize("shape", ["thin_rod", "spherocylinder", "flat_ended_rod"])
 def test_a_geometry_keeps_the_labels_of_what_it_was_made_of(shape):
     for size in ("tilt", "length"):
-        rod = shape(**{"tilt": 0.4, "length": 8.0, size: along("ab", SOLID[size])})
+        rod = call(shape, **{size: along("ab", SOLID[size])})
         with pytest.raises(ValueError, match="must have equal labels"):
             call("drift", geometry=rod, friction=along("ac", 0.3))
 

@@ -5,6 +5,7 @@ import os
 import shutil
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
+from importlib import import_module
 from pathlib import Path
 from unittest.mock import Mock
 
@@ -12,14 +13,11 @@ import numba
 import pytest
 from numba.core.caching import IndexDataCacheFile
 
-import md
 from impact import _jit
 from md import cache
 
-from .command_line import python
+from .command_line import ROOT, python
 from .test_files import FULL
-
-PACKAGE = Path(md.__file__).parent
 
 
 def half(x):
@@ -48,22 +46,22 @@ def no_folder_chosen(monkeypatch):
 @pytest.fixture
 def copy(tmp_path):
     """The package's sources in a place where they can be edited."""
-    shutil.copytree(PACKAGE, tmp_path / "md", ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(ROOT / "md", tmp_path / "md", ignore=shutil.ignore_patterns("__pycache__"))
     return tmp_path / "md"
 
 
-def environment(copy):
-    """Environment of a process that runs the copy, with a cache of its own."""
-    home = copy.parent
-    return {"PYTHONPATH": str(home), "XDG_CACHE_HOME": str(home / "cache")}
+def run(copy, *words):
+    """Run a program with the copy, in a process of its own, with a cache of its own."""
+    home, kept_in = copy.parent, str(copy.parent / "cache")
+    return python("-c", *words, cwd=home, PYTHONPATH=str(home), XDG_CACHE_HOME=kept_in)
 
 
 def call(copy):
     """A force from a fresh process, and whether its kernel was loaded or compiled."""
-    done = python("-c", CALL, cwd=copy.parent, **environment(copy))
+    done = run(copy, CALL)
     file, *rest = json.loads(done.stdout)
     assert Path(file).parent == copy
-    return tuple(rest)
+    return rest
 
 
 def kept(copy):
@@ -77,19 +75,17 @@ def test_kernels_are_kept_and_an_edit_anywhere_compiles_anew(copy):
 
     `single.in_mode` asks `contact` for the stiffness of the spring, which is doubled there.
     """
-    assert call(copy) == (-0.1, 0, 1)
+    assert call(copy) == [-0.1, 0, 1]
     files = kept(copy)
-    assert {file.suffix for file in files} == {".nbc", ".nbi"}
-    assert any("single.in_mode" in file.name for file in files)
 
-    assert call(copy) == (-0.1, 1, 0)
+    assert call(copy) == [-0.1, 1, 0]
     assert kept(copy) == files
 
     source = (copy / "kernels" / "contact.py").read_text()
     edited = source.replace("term(spring.root, sqrt", "term(spring.root, 2 * sqrt")
     assert edited != source
     (copy / "kernels" / "contact.py").write_text(edited)
-    assert call(copy) == (-0.2, 0, 1)
+    assert call(copy) == [-0.2, 0, 1]
     assert kept(copy).items() > files.items()  # the old ones are left, in a folder of their own
 
 
@@ -108,10 +104,9 @@ vectors.times(2.0, eval(sys.argv[1]))
 
 
 def test_processes_that_compile_at_once_do_not_mix_up_what_they_keep(copy):
-    """Two keep the same function for other arguments; a third finds both."""
-    run = partial(python, "-c", RACE, cwd=copy.parent, **environment(copy))
+    """Two keep the same function for other arguments, and both are there."""
     with ThreadPoolExecutor() as pool:
-        for done in pool.map(run, ("(3.0,)", "(3.0, 4.0)")):
+        for done in pool.map(partial(run, copy, RACE), ("(3.0,)", "(3.0, 4.0)")):
             assert done.returncode == 0
     [index] = [file for file in kept(copy) if file.suffix == ".nbi"]
     assert len({*index.parent.glob(f"{index.stem}.*.nbc")}) == 2
@@ -181,12 +176,12 @@ def test_an_inlined_kernel_is_compiled_without_an_entry_until_python_calls_it(
 
 def test_arithmetic_is_that_of_ieee():
     """No kernel is compiled with `fastmath`, which would reorder sums and drop nan and -0."""
-    from impact import compiled
-    from md.kernels import batch, contact, march, pairs, single, surfaces
+    from impact import bouncing, compiled, flight
 
-    modules = map(vars, (compiled, batch, contact, march, pairs, single, surfaces))
+    own = [import_module(f"md.{name}") for name in cache.SOURCES if name.startswith("kernels.")]
+    modules = map(vars, [bouncing, compiled, flight, *own])
     kernels = [x for names in modules for x in names.values() if hasattr(x, "targetoptions")]
-    assert len(kernels) > 20
+    assert len(kernels) > 100
     for kernel in kernels:
         assert not kernel.targetoptions.get("fastmath")
         assert kernel.targetoptions["error_model"] == "numpy"

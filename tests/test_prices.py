@@ -20,7 +20,7 @@ def parts_of(variant):
     """Names of all that there is in a variant, with the series that is sampled."""
     engine = variant.engine()
     found = parts(engine.effects) | parts(engine.state) | parts(engine.watchers)
-    return found | {name for name in variant.diagnostics if name == "series"}
+    return found | ({"series"} & variant.diagnostics)
 
 
 @pytest.mark.parametrize("key", ["alone", "within"])
@@ -49,7 +49,11 @@ def test_places_are_seen_from_the_plate(monkeypatch):
 
 def test_time_to_reach_an_error():
     """Bias and noise add; a bias that is lost in its error counts as none."""
-    d = {"bias": np.array([0.02, 0.006, 0.006]), "bias_error": np.array([0.001, 0.001, 0.004])}
-    d |= {"noise": np.full(3, 0.2), "seconds": np.array([1e-3, 2e-3, 4e-3])}
+    d = {
+        "bias": np.array([0.02, 0.006, 0.006]),
+        "bias_error": np.array([0.001, 0.001, 0.004]),
+        "noise": np.full(3, 0.2),
+        "seconds": np.array([1e-3, 2e-3, 4e-3]),
+    }
     wanted = np.inf, 0.04 / (1e-4 - 3.6e-5) * 2e-3, 0.04 / 1e-4 * 4e-3
     assert_allclose(accuracy_cost_drift.to_reach(d, 0.01), wanted)

@@ -76,17 +76,11 @@ def is_invalid(part):
 
 NUMBERS = [(function, name) for function in SENSIBLE for name in numbers_of(function)]
 each_number = pytest.mark.parametrize(("function", "name"), NUMBERS)
-BAD = {
+POSITIVE = "k", "mass", "length", "diameter", "approach_ratio", "fall_speed", "drift plate_velocity"
+BAD = {name: [0.0, -1.0] for name in POSITIVE} | {
     "friction": [-0.1],
     "restitution": [-0.1, 1.5],
-    "k": [0.0, -1.0],
-    "mass": [0.0, -1.0],
     "tilt": [1.6, -2.0],
-    "length": [0.0, -1.0],
-    "diameter": [0.0, -1.0],
-    "approach_ratio": [0.0, -2.0],
-    "fall_speed": [0.0, -1.0],
-    "drift plate_velocity": [0.0, -1.0],
     "spherocylinder length": [0.5],  # shorter than it is thick
 }
 

@@ -5,8 +5,9 @@
 import json
 import os
 import socket
+import sqlite3
 import sys
-from contextlib import chdir
+from contextlib import chdir, closing
 from functools import partial
 from math import inf, nan
 from pathlib import Path
@@ -26,7 +27,7 @@ from md.sweep import execute, expand
 
 from .command_line import ROOT, called, enter, python, read_toml, refused
 from .test_help import ALL
-from .test_store import database, filled
+from .test_store import filled
 
 TABLES = read_toml("tests/refusals.toml")
 LINES = TABLES.pop("lines of a file that has none of its own")
@@ -43,40 +44,45 @@ ROD = impact.thin_rod(0.3)
 bounce = partial(bouncing.bounce, friction=0.3, restitution=0.65, landings=5)
 
 
+def database(path, statement):
+    """A database that somebody else made or changed."""
+    with closing(sqlite3.connect(path)) as other, other:
+        other.execute(statement)
+
+
 @pytest.fixture(scope="module", autouse=True)
 def folder(tmp_path_factory):
     """A working directory with a store of a run, and files of other kinds."""
     folder = tmp_path_factory.mktemp("folder")
     with chdir(folder):
-        fill()
+        filled("a.db")
+        database("other.db", "CREATE TABLE mine (x)")
+        for version in (1, 99):
+            filled(f"v{version}.db")
+            database(f"v{version}.db", f"PRAGMA user_version={version}")
+        filled("edited.db")
+        database("edited.db", "UPDATE runs SET result = 'oops'")
+        Path("theirs").mkdir()
+        for name, text in FILES.items():
+            Path(name).write_text(text)
+        write_csv("more.csv", *table("a.db"))  # and a column of one's own
+        Path("more.csv").write_text(Path("more.csv").read_text().replace("\n", ",mine\n"))
+        np.save("array.npy", np.zeros(3))
+        np.savez("arrays.npz", about="{}")
+        np.savez("old.npz", about=json.dumps({"code": "other", "scene": "other"}))
+        Path("drift_long.csv").write_text("9" * 200_000)
+        Path("deep.toml").write_text("rods = " + 3000 * "[")
+        Path("link").symlink_to("a.db")
+        Path("hard").hardlink_to("a.db")
+        with socket.socket(socket.AF_UNIX) as listener:
+            listener.bind("socket")
+        Path("odd").mkdir()
+        for pipe in ("pipe", "odd/report.html", "odd/fig10.pdf"):
+            os.mkfifo(pipe)
+        _, device = os.openpty()  # as /dev/null, without the harm
+        for name in ("tty", "tty.html"):
+            Path(name).symlink_to(os.ttyname(device))
         yield folder
-
-
-def fill():
-    """Make the files."""
-    filled("a.db")
-    database("other.db", "CREATE TABLE mine (x)")
-    for version in (1, 99):
-        filled(f"v{version}.db")
-        database(f"v{version}.db", f"PRAGMA user_version={version}")
-    Path("theirs").mkdir()
-    for name, text in FILES.items():
-        Path(name).write_text(text)
-    write_csv("more.csv", *table("a.db"))  # and a column of one's own
-    Path("more.csv").write_text(Path("more.csv").read_text().replace("\n", ",mine\n"))
-    np.save("array.npy", np.zeros(3))
-    np.savez("arrays.npz", about="{}")
-    np.savez("old.npz", about=json.dumps({"code": "other", "scene": "other"}))
-    Path("link").symlink_to("a.db")
-    Path("hard").hardlink_to("a.db")
-    with socket.socket(socket.AF_UNIX) as listener:
-        listener.bind("socket")
-    Path("odd").mkdir()
-    for pipe in ("pipe", "odd/report.html", "odd/fig10.pdf"):
-        os.mkfifo(pipe)
-    _, device = os.openpty()  # as /dev/null, without the harm
-    for name in ("tty", "tty.html"):
-        Path(name).symlink_to(os.ttyname(device))
 
 
 def contents(folder):

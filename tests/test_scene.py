@@ -1,17 +1,13 @@
-"""Scenes: examples load, and what is no scene is refused with its key, value and domain."""
+"""Scenes: examples load, the paper's row has its numbers, a table says all of a scene."""
 
-import json
 from math import cos, pi
 
 import pytest
 
-from md.domains import InputError
 from md.host import step_of
 from md.scene import GAP, SCENES, as_dict, load
 
 from .rows import seeded
-
-EXAMPLES = sorted(path.stem for path in SCENES.glob("*.toml"))
 
 
 def test_a_scene_may_begin_with_a_byte_order_mark(tmp_path):
@@ -19,13 +15,6 @@ def test_a_scene_may_begin_with_a_byte_order_mark(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text((SCENES / "my_rods.toml").read_text(), encoding="utf-8-sig")
     assert load(path) == load("my_rods")
-
-
-def test_a_file_of_too_many_brackets_is_refused(tmp_path):
-    path = tmp_path / "deep.toml"
-    path.write_text("rods = " + 3000 * "[")
-    with pytest.raises(InputError, match=r"deep.*: maximum recursion"):
-        load(path)
 
 
 def test_an_assignment_takes_what_python_writes():
@@ -36,13 +25,13 @@ def test_an_assignment_takes_what_python_writes():
 # What is a scene
 
 
-@pytest.mark.parametrize("name", EXAMPLES)
-def test_examples_load(name):
+@pytest.mark.parametrize("file", sorted(SCENES.glob("*.toml")))
+def test_examples_load(file):
     """Examples have a step, and load as files; one assignment may stand without a list."""
-    scene = load(name)
+    scene = load(file.stem)
     assert step_of(scene)[0] > 0
-    assert load(SCENES / f"{name}.toml") == scene
-    assert load(name, "start.seed=7") == seeded(scene, 7)
+    assert load(file) == scene
+    assert load(file, "start.seed=7") == seeded(scene, 7)
 
 
 def test_the_paper_s_row():
@@ -50,17 +39,13 @@ def test_the_paper_s_row():
     scene = load("quasi2d")
     assert cos(scene.tilt) == pytest.approx(40 / 43, rel=1.1 * GAP)
     assert scene.frequency == pytest.approx(60 * (0.6 / 981) ** 0.5)
-    assert scene.cm_per_s == pytest.approx((981 * 0.6) ** 0.5)
     assert scene.plate_speed * scene.cm_per_s == pytest.approx(3.3 * 981 / (120 * pi))
 
 
 def test_a_scene_is_what_its_parts_say():
-    """The table of a scene builds the scene again; laws by their constants."""
+    """A table of a scene holds its parts, laws by their constants, and nothing that is absent."""
     scene = load("quasi2d")
     table = as_dict(scene)
     assert table["rods"] == vars(scene.rods)
     assert table["contacts"]["plate"]["law"]["name"] == "constant_restitution"
     assert "plate" not in as_dict(load("quasi2d", ["plate=none", "contacts.plate=none"]))
-    json.dumps(table)
-    assert scene.digest() == load("quasi2d").digest()
-    assert scene.digest() != load("quasi2d", ["start.seed=2"]).digest()

@@ -8,10 +8,10 @@ from scipy.signal import lfilter
 from md.measures import TREND, ratio, settled, standard_error, steady, trend
 
 
-def autoregressive(random, n, memory):
-    """x' = memory x + noise of variance 1, from its stationary distribution."""
-    noise = random.normal(size=n)
-    noise[0] /= np.sqrt(1 - memory**2)
+def autoregressive(random, shape, memory):
+    """x' = memory x + noise of variance 1, stationary from the start, along the last axis."""
+    noise = random.normal(size=shape)
+    noise[..., 0] /= np.sqrt(1 - memory**2)
     return lfilter([1.0], [1.0, -memory], noise)
 
 
@@ -30,14 +30,12 @@ def test_scatter_of_means_over_their_errors(memory, n):
     The ratio is one to the scatter of both, 4/sqrt(2 400) each, and what a fitted memory lacks:
     a coefficient a is low by (1 + 3a)/n (Kendall), which takes (1 + 3a)/(1 - a)/n of 1/(1 - a).
     """
-    random = default_rng(n)
-    series = [autoregressive(random, n, memory) for _ in range(400)]
-    scatter = np.sqrt(np.mean([one.mean() ** 2 for one in series]))
+    series = autoregressive(default_rng(n), (400, n), memory)
+    scatter = np.sqrt(np.mean(series.mean(axis=1) ** 2))
     error = np.sqrt(np.mean([standard_error(one) ** 2 for one in series]))
-    lacking = max(1 + 3 * memory, 0) / (1 - memory) / n
-    assert 1 - 8 / np.sqrt(800) < scatter / error < 1 + 8 / np.sqrt(800) + lacking
-    exact = exact_error(n, memory)
-    assert error / exact == pytest.approx(1, abs=4 / np.sqrt(800) + lacking)
+    lacking, of_each = max(1 + 3 * memory, 0) / (1 - memory) / n, 4 / np.sqrt(2 * 400)
+    assert 1 - 2 * of_each < scatter / error < 1 + 2 * of_each + lacking
+    assert error / exact_error(n, memory) == pytest.approx(1, abs=of_each + lacking)
 
 
 def test_a_second_memory_is_seen():
@@ -75,27 +73,23 @@ def test_no_error_without_enough_finite_values(series):
 def test_ratio_of_sums():
     """A quantity summed over a varying number of events: the delta method, 1/sqrt(n) for noise."""
     random = default_rng(0)
-    counts = random.poisson(20, 1024).astype(float)
-    sums = np.array([random.normal(3, 2, int(n)).sum() for n in counts])
+    counts = random.poisson(20, 1024)
+    sums = random.normal(3 * counts, 2 * np.sqrt(counts))
     mean, error = ratio(sums, counts)
     assert mean == sums.sum() / counts.sum()
     assert abs(mean - 3) < 4 * error
     assert error == pytest.approx(2 / np.sqrt(counts.sum()), rel=4 / np.sqrt(2 * 1024))
     assert np.isnan(ratio(sums[:9], counts[:9])[1])
-    empty = ratio(np.zeros(8), np.zeros(8))
-    assert np.isnan(empty).all()
+    assert np.isnan(ratio(np.zeros(8), np.zeros(8))).all()
 
 
 @pytest.mark.parametrize("n", [320, 2000])
 @pytest.mark.parametrize(("memory", "alarms"), [(0.0, 0.02), (0.5, 0.02), (0.9, 0.06)])
 def test_stationary_series_have_no_trend(memory, alarms, n):
     """Of 400 series as many alarm as `trend` says, to two standard deviations of so many."""
-    random = default_rng(n)
-    series = [autoregressive(random, n, memory) for _ in range(400)]
-    found = np.mean([trend(one) > TREND for one in series])
-    assert found <= alarms + 2 * np.sqrt(alarms / 400)
-    never = np.mean([settled(n // 5, one) is None for one in series])
-    assert never <= 0.3 * alarms + 0.005
+    series = autoregressive(default_rng(n), (400, n), memory)
+    assert np.mean([trend(one) > TREND for one in series]) <= alarms + 2 * np.sqrt(alarms / 400)
+    assert np.mean([settled(n // 5, one) is None for one in series]) <= 0.3 * alarms + 0.005
 
 
 @pytest.mark.parametrize("n", [104, 130, 160, 199])
@@ -104,21 +98,20 @@ def test_a_trend_of_a_short_series_is_seen(n):
     random, line = default_rng(n), np.linspace(0, 10, n)
     assert trend(line) > TREND
     for memory, alarms in (0.0, 0.02), (0.5, 0.05), (0.9, 0.25):
-        series = [autoregressive(random, n, memory) for _ in range(200)]
-        rising = [one + line / np.sqrt(1 - memory**2) for one in series]
+        series = autoregressive(random, (200, n), memory)
+        rising = series + line / np.sqrt(1 - memory**2)
         assert np.mean([trend(one) > TREND for one in rising]) > 0.95
-        found = np.mean([trend(one) > TREND for one in series])
-        assert found <= alarms + 2 * np.sqrt(alarms / 200)
+        assert np.mean([trend(one) > TREND for one in series]) <= alarms + 2 * np.sqrt(alarms / 200)
 
 
 @pytest.mark.parametrize("memory", [0.0, 0.9])
 def test_a_transient_is_left_out(memory):
     """Of an exponential one with a decay time of a fifth less is left than the error."""
-    random, n, left = default_rng(7), 3000, []
+    n, left = 3000, []
     error = exact_error(n // 2, memory)
     transients = 60 * error * np.exp(-np.arange(n) / (n / 10))
-    for _ in range(100):
-        cut = settled(n // 10, autoregressive(random, n, memory) + transients)
+    for noise in autoregressive(default_rng(7), (100, n), memory):
+        cut = settled(n // 10, noise + transients)
         left.append(np.nan if cut is None else transients[cut:].mean() / error)
     assert np.isnan(left).mean() < 0.05
     assert np.nanmax(left) < 3
@@ -128,9 +121,9 @@ def test_a_transient_is_left_out(memory):
 @pytest.mark.parametrize("memory", [0.0, 0.9])
 def test_a_slow_trend_never_settles(memory):
     """A straight line, over the series 60 times its standard error."""
-    random, n = default_rng(8), 2000
+    n = 2000
     line = 60 * exact_error(n, memory) * np.linspace(0, 1, n)
-    series = (autoregressive(random, n, memory) + line for _ in range(100))
+    series = autoregressive(default_rng(8), (100, n), memory) + line
     assert np.mean([settled(n // 5, one) is None for one in series]) > 0.95
 
 
@@ -151,8 +144,7 @@ def test_too_few_values_have_no_trend():
 )
 def test_a_rate_that_grows_or_dies_is_not_steady(rates, expected):
     """A rate may grow from nothing, with an error as large as itself, which `trend` misses."""
-    random = default_rng(1)
-    counts = np.concatenate([random.poisson(rate / 40, 40) for rate in rates])
+    counts = default_rng(1).poisson(np.repeat(rates, 40) / 40)
     assert steady(counts) == expected
 
 

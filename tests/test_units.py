@@ -46,7 +46,7 @@ def test_a_scene_in_cm_is_the_scene(key):
     assert set(SAME) == set(TWINS)
     given, own, value = SAME[key]
     base = put(TABLES, RING if key.startswith("annulus") else {})
-    found, same = (from_tables(put(base, {k: v})) for k, v in ((key, given), (own, value)))
+    found, same = from_tables(put(base, {key: given})), from_tables(put(base, {own: value}))
     if key.endswith("cm") and not key.startswith("plate"):
         assert found == same
     part, name = own.split(".")
@@ -86,8 +86,8 @@ def test_a_sweep_along_an_amplitude(path):
     assert len(lines) == 4
     for row in table(path)[1]:
         assert (row["rods.length"], row["rods.length_cm"]) == (8.0, 4.0)
-        assert row["c_x_cm_s"] == pytest.approx(row["c_x"] * sqrt(981 * 0.5))
-        assert row["c_x_stderr_cm_s"] == pytest.approx(row["c_x_stderr"] * sqrt(981 * 0.5))
+        for name in ("c_x", "c_x_stderr"):
+            assert row[f"{name}_cm_s"] == pytest.approx(row[name] * sqrt(981 * 0.5))
 
 
 def test_what_a_run_prints_in_cm(tmp_path):
@@ -112,15 +112,17 @@ def test_what_a_run_prints_in_cm(tmp_path):
 # Units of what comes out
 
 
-@pytest.mark.parametrize("changes", [["rods.count=9"], ["plate.acceleration=3"]])
-def test_what_is_measured_and_chosen_has_a_unit_and_a_name(changes):
+@pytest.mark.parametrize(
+    ("scene", "change"), [("annulus", "rods.count=9"), ("my_rods", "plate.acceleration=3")]
+)
+def test_what_is_measured_and_chosen_has_a_unit_and_a_name(scene, change):
     """Results, their errors, columns of records, keys that an axis may have.
 
     As arrays with labels, touches and landings lie along axes of their own; what is counted has no
     unit, so that a plot has no empty brackets.
     """
-    rows, scene = [], md.load("annulus" if "rods.count=9" in changes else "my_rods", changes)
-    result = md.run(scene, periods=3, observe=rows.append)
+    rows = []
+    result = md.run(md.load(scene, change), periods=3, observe=rows.append)
     apart = {"scene", "versions", "scene_digest", "finished", "settled"}
     results = {key for key in flat(result.as_dict()) if key.partition(".")[0] not in apart}
     touches, landings = md.records.touches(rows, result), md.records.landings(rows, result)

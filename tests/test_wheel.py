@@ -34,15 +34,13 @@ COMMANDS = {
 
 def test_the_version_stands_in_one_place_and_others_agree():
     """It stands in `pyproject.toml`; citations and the change log's newest heading repeat it."""
-    site = (DOCS / "installation.md").read_text("utf-8")
-    assert f"version = {{{VERSION}}}" in site
+    assert f"version = {{{VERSION}}}" in (DOCS / "installation.md").read_text("utf-8")
     citation = (ROOT / "CITATION.cff").read_text("utf-8")
     assert re.findall(r"^version: (.+)$", citation, re.M) == [VERSION]
     (released,) = re.findall(r"^date-released: (\d{4}-\d\d-\d\d)$", citation, re.M)
     changes = (ROOT / "CHANGELOG.md").read_text("utf-8")
-    newest, date = re.search(r"^## ([\d.]+), (.+)$", changes, re.M).groups()
-    assert newest == VERSION
-    assert date in ("unreleased", released)
+    newest = re.search(r"^## .+$", changes, re.M)[0]
+    assert newest in (f"## {VERSION}, unreleased", f"## {VERSION}, {released}")
 
 
 @pytest.fixture(scope="module")
@@ -76,21 +74,19 @@ def test_the_wheel_holds_all_sources_and_data_and_nothing_else(wheel):
 
 
 @pytest.fixture(scope="module")
-def installed(wheel, tmp_path_factory):
-    """A folder that holds what the wheel does, as an installation of it would."""
-    home = tmp_path_factory.mktemp("installed")
-    with zipfile.ZipFile(wheel) as archive:
-        archive.extractall(home)
-    return home
-
-
-@pytest.fixture(scope="module")
-def outcomes(installed, tmp_path_factory):
+def outcomes(wheel, tmp_path_factory):
     """What every command did, side by side, in an empty folder, with an empty cache."""
+    installed = tmp_path_factory.mktemp("installed")  # as an installation of the wheel
+    with zipfile.ZipFile(wheel) as archive:
+        archive.extractall(installed)
     empty, cache = tmp_path_factory.mktemp("empty"), tmp_path_factory.mktemp("cache")
     # Before the checkout, which this environment may hold too; the wheel's folder stays as it is.
-    own = {"PYTHONPATH": str(installed), "PYTHONDONTWRITEBYTECODE": "1"}
-    own |= {"XDG_CACHE_HOME": str(cache), "NUMBA_CACHE_DIR": ""}
+    own = {
+        "PYTHONPATH": str(installed),
+        "PYTHONDONTWRITEBYTECODE": "1",
+        "XDG_CACHE_HOME": str(cache),
+        "NUMBA_CACHE_DIR": "",
+    }
     before = set(installed.rglob("*"))
 
     def outcome(name):

@@ -2,6 +2,7 @@
 
 import shutil
 from dataclasses import replace
+from functools import partial
 from inspect import signature
 from pathlib import Path
 
@@ -43,22 +44,17 @@ def test_what_is_asked_of_forms():
     assert not any(map(lecture.negative, (X * Z + mu, X - Z)))
 
 
-def defaults(function):
-    found = signature(function).parameters.items()
-    return {name: parameter.default for name, parameter in found}
-
-
 def test_numbers_of_the_paper_are_those_of_the_simulations():
     """Numbers of the paper, past the seal, are those that are typed in the simulations."""
-    law, drawn = defaults(md.appendix_a), defaults(fig11.data)
+    law, drawn = (signature(function).parameters for function in (md.appendix_a, fig11.data))
     for tag, name in (
         ("A: unit of k_n", "stiffness"),
         ("A: k_t = 95 k_n", "tangential_ratio"),
         ("A: unit of gamma", "damping"),
     ):
-        assert float(paper.printed(tag).as_coeff_Mul()[0]) == law[name]
+        assert float(paper.printed(tag).as_coeff_Mul()[0]) == law[name].default
     for letter, name in ((epsilon, "restitution"), (mu, "friction")):
-        assert float(lecture.PAPER[letter]) == drawn[name]
+        assert float(lecture.PAPER[letter]) == drawn[name].default
 
 
 def test_rods_counted_one_by_one_tell_a_wrong_mean():
@@ -69,22 +65,19 @@ def test_rods_counted_one_by_one_tell_a_wrong_mean():
 
 @pytest.mark.parametrize(("name", "old", "new"), EDITS["sealed"])
 def test_whatever_is_typed_is_sealed(name, old, new, tmp_path, monkeypatch):
-    source, copy = Path(texts.__file__).parent, tmp_path / "copy"
-    shutil.copytree(source, copy)
-    shutil.copy(texts.KERNEL, tmp_path)
-    file = tmp_path / name if name == texts.KERNEL.name else copy / name
-    text = file.read_text("utf-8")
-    assert old in text
-    monkeypatch.setattr(texts, "KERNEL", tmp_path / texts.KERNEL.name)
+    copy = tmp_path / "copy"
+    shutil.copytree(Path(texts.__file__).parent, copy)
+    monkeypatch.setattr(texts, "KERNEL", Path(shutil.copy(texts.KERNEL, tmp_path)))
     monkeypatch.setattr(texts, "__file__", str(copy / "texts.py"))
     assert texts.digest() == texts.READ
-    file.write_text(text.replace(old, new), "utf-8")
+    (file,) = tmp_path.rglob(name)
+    file.write_text(file.read_text("utf-8").replace(old, new), "utf-8")
     assert texts.digest() != texts.READ
 
 
 def test_words_that_are_not_so_are_no_proof():
     """Words that are not so prove nothing, and do not stop the other proofs."""
-    entry = replace(BY_TAG["23"], note=lambda: lecture.so("never positive", [sp.S.One]))
-    proof = entry.prove()
+    note = partial(lecture.so, "never positive", [sp.S.One])
+    proof = replace(BY_TAG["23"], note=note).prove()
     assert not proof.ok
     assert not proof.computed

@@ -3,6 +3,7 @@
 from math import pi, radians
 
 import numpy as np
+import pytest
 
 import md
 from md.kernels import single
@@ -22,7 +23,7 @@ SLIDE = radians(30), (-0.5, -1.0, 0.1)  # tilt, velocities before
 SLIP_STICK = radians(20), (0.5, -1.0, 0.0)
 REVERSAL = radians(40), (0.5, -1.0, 0.0)
 CONTACT = contact_time(md.coulomb(), 1.0)
-FLAT = 0.0, 0.5, pi / 2, 0.0, 0.0, 0.0  # just touching, at rest
+each_integrator = pytest.mark.parametrize("integrator", single.METHODS)
 
 
 def damped(normal):

@@ -49,10 +49,9 @@ def draw(d: Data) -> plt.Figure:
     ax = bottom.subplots()
     found = {n: of for n, of in told(d)["numbers"].items() if of["share"] is not None}
     names = sorted(found, key=lambda name: found[name]["share"])
-    ax.barh(range(len(names)), [found[name]["share"] for name in names], color=SKY, alpha=0.5)
     for i, name in enumerate(names):
-        words = f"{name.partition('.')[0]} {JUDGED[name]['name']}"
-        ax.text(0.005, i, words, va="center")
+        ax.barh(i, found[name]["share"], color=SKY, alpha=0.5)
+        ax.text(0.005, i, f"{name.partition('.')[0]} {JUDGED[name]['name']}", va="center")
         if of := found[name]["follows"]:
             words = f"{of['property']} ({of['rank']:+.2f})".replace("-", "−")
             ax.text(1.34, i, words, va="center", ha="right")

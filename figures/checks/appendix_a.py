@@ -88,13 +88,14 @@ def _measured(where: str, mass: str, inertia: str) -> tuple[np.ndarray, list[np.
 
 def _why(ratios: np.ndarray) -> Data:
     """RMS from theory at measured restitution over stiffness and damping of the printed spring."""
-    off = np.empty((len(DAMPINGS), ratios.size))
-    for (i, damping), (j, ratio) in product(enumerate(DAMPINGS), enumerate(ratios)):
+    off = []
+    for damping, ratio in product(DAMPINGS, ratios):
         law = md.appendix_a(tangential_ratio=ratio)
         spring = law.spring._replace(proportional_dashpot=None, damping_ratio=damping or None)
-        off[i, j] = from_theory(replace(law, spring=spring))[0]
+        off.append(from_theory(replace(law, spring=spring))[0])
     root = sqrt(deepest_overlap(md.appendix_a(), 1.0))
-    return {"ratio": ratios * root, "printed_ratio": PRINTED_RATIO * root, "why": off}
+    why = np.reshape(off, (len(DAMPINGS), -1))
+    return {"ratio": ratios * root, "printed_ratio": PRINTED_RATIO * root, "why": why}
 
 
 def data(quick: bool = False) -> Data:

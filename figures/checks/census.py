@@ -40,14 +40,15 @@ class Census(NamedTuple):
     duration: np.ndarray  # periods
 
 
-def _mapped(rows, arms, k, friction, plate, v_f, pull):
+def _mapped(before, after, arms, k, friction, plate, v_f, pull):
     """Map of what was measured: how far from the outcome, its regime, the restitution taken.
 
-    `arms` are X and Z; `plate` holds the plate's velocities before and after; `pull` what gravity
-    and the plate's acceleration add to c_z, seen from the plate, in half of the contact.
+    `before`, `after` hold c_x, c_z, omega of each touch, `plate` the plate's velocities then;
+    `arms` are X and Z; `pull` is what gravity and the plate's acceleration add to c_z, seen from
+    the plate, in half of the contact.
     """
-    c_x, c_z, omega = rows[:, touches.BEFORE : touches.BEFORE + 3].T
-    x, z, turn = rows[:, touches.AFTER : touches.AFTER + 3].T
+    c_x, c_z, omega = before.T
+    x, z, turn = after.T
     towards = c_z - plate[0] + pull
     v_0 = towards + omega * arms[0]
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -68,30 +69,30 @@ def compared(rows: np.ndarray, scene: md.Scene, dt: float, per: int) -> dict[str
     """Fields of `Census` but the blocks, of rows as `md.run` hands them to `observe`."""
     k2 = Rod(scene.rods.length, scene.rods.inertia).gyration_squared
     k, friction = np.sqrt(k2), scene.contacts.plate.friction
-    a_x, a_z, plate = rows[:, touches.A_X], rows[:, touches.A_Z], rows[:, touches.PLATE]
-    before = rows[:, touches.BEFORE : touches.BEFORE + 3]
-    after = rows[:, touches.AFTER : touches.AFTER + 3]
-    gain, duration = after - before, rows[:, touches.DURATION]
-    time, end = duration * dt, (rows[:, touches.STEP] + duration) % per
+    columns = rows.T
+    a_x, a_z, plate = columns[[touches.A_X, touches.A_Z, touches.PLATE]]
+    before, after = np.split(rows[:, touches.BEFORE : touches.PLATE], 2, axis=1)
+    gain, duration = after - before, columns[touches.DURATION]
+    time, end = duration * dt, (columns[touches.STEP] + duration) % per
     last = scene.plate_speed * np.sin(2 * np.pi * end / per)  # velocity of the plate
     fall = time * (scene.gravity.z if scene.gravity else 0.0)
 
     # At its word the map knows one velocity of the plate, that at the touch, and no gravity.
-    v_f, arms = rows[:, touches.LEAVING], (-a_x, -a_z)
-    residual, mapped, restitution = _mapped(rows, arms, k, friction, (plate, plate), v_f, 0.0)
+    v_f, arms, still = columns[touches.LEAVING], (-a_x, -a_z), (plate, plate)
+    residual, mapped, restitution = _mapped(before, after, arms, k, friction, still, v_f, 0.0)
     turn = (before[:, 2] + gain[:, 2] / 2) * time / 2
     x, z = -a_x - (a_z + 0.5) * turn, -a_z + a_x * turn  # the cap, of radius 1/2, does not turn
     pull = (fall - (last - plate)) / 2
     v_f = after[:, 1] - last - pull + after[:, 2] * x
-    allowed, *_ = _mapped(rows, (x, z), k, friction, (plate, last), v_f, pull)
+    allowed, *_ = _mapped(before, after, (x, z), k, friction, (plate, last), v_f, pull)
     spin = k2 * gain[:, 2] - a_z * gain[:, 0] + a_x * (gain[:, 1] - fall)
     return {
-        "isolated": rows[:, touches.PUSHED] == 0,
+        "isolated": columns[touches.PUSHED] == 0,
         "jump": np.linalg.norm(gain * [1, 1, k], axis=1),
         "residual": residual,
         "allowed": allowed,
         "kick": np.abs(spin) / np.sqrt(k2 + a_x**2 + a_z**2),
-        "seen": rows[:, touches.REGIME].astype(int),
+        "seen": columns[touches.REGIME].astype(int),
         "mapped": mapped,
         "restitution": restitution,
         "duration": duration / per,

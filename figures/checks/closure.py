@@ -14,13 +14,11 @@ those over touches, the restitution as assumed. Where a step adds to the misfit,
 theory cancelled.
 """
 
-from collections.abc import Callable
 from functools import partial
 from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.axes import Axes
 from scipy.optimize import brentq
 
 import md
@@ -41,12 +39,11 @@ from ..lib.runs import (
     boxes,
     drift_and_tilt,
     gathered,
-    over_seeds,
     paper_rod,
     periods_of,
     planned,
+    seed_means,
     starts,
-    with_error,
 )
 from ..lib.style import (
     BLACK,
@@ -73,16 +70,16 @@ CLOSURE_TILTS_DEG = {
 }
 ASSUMED = {"V_z": 0.5, "turned": 1.0, "gain": 0.0, "spin": 0.0, "restitution": RESTITUTION}
 FIRST = 2  # of `STEPS` that replaces one of `ASSUMED`
-STEPS = {  # in order; each keeps what the ones before replaced
+STEPS = {  # in order, as they are drawn; each keeps what the ones before replaced
     "printed": "as printed",
-    "thick": "thick rod",
-    "V_z": "$V_z$",
-    "turned": "$-c_z/c_z'$",
-    "gain": "$c_x'-c_x$",
-    "spin": r"$\omega$",
-    "restitution": r"$\epsilon$",
+    "thick": "+ thick rod",
+    "V_z": "+ $V_z$",
+    "turned": "+ $-c_z/c_z'$",
+    "gain": "+ $c_x'-c_x$",
+    "spin": r"+ $\omega$",
+    "restitution": r"+ $\epsilon$",
 }
-NAMES = ("V_z", *VELOCITIES)  # means over touches, and over landings
+NAMES = (*VELOCITIES, "V_z")  # means over touches, and over landings
 LANDED = "landing_"  # before these names
 MEANS = ("restitution", *NAMES, *(f"{LANDED}{name}" for name in NAMES))
 
@@ -154,8 +151,7 @@ def measures(rows: np.ndarray) -> dict[str, float]:
     alone = rows[rows[:, touches.PUSHED] == 0]
     mean, among = rows.mean(axis=0), alone if len(alone) >= ENOUGH else rows
     return {
-        **dict(zip(VELOCITIES, mean[touches.BEFORE : touches.PLATE].tolist(), strict=True)),
-        "V_z": mean[touches.PLATE],
+        **dict(zip(NAMES, mean[touches.BEFORE : touches.PLATE + 1].tolist(), strict=True)),
         "restitution": -among[:, touches.LEAVING].sum() / among[:, touches.APPROACH].sum(),
     }
 
@@ -246,30 +242,27 @@ def data(quick: bool = False) -> Data:
     steps, single = np.split(scene.cm_per_s * drifts(tilt, speed, measured), [len(STEPS)])
     landed = scene.cm_per_s * drifts(tilt, speed, closures_of(of, LANDED))[: len(STEPS)]
 
-    found: Data = drift_and_tilt(sweep)
     units = {"V_z": speed, "gain": speed, "spin": 2 * speed / LENGTH}
     larger = np.array(CLOSURE_TILTS_DEG[quick]) > SMALL_DEG
-    for name, values in {
+    results = {
         **{name: array / units.get(name, 1.0) for name, array in measured.items()},
         "step": steps,
         "left": left(row, steps),
         "left_single": left(row, single),
         "left_larger": left(row[larger], steps[:, larger]),
         "left_landing": left(row, landed),
-    }.items():
-        found |= with_error(name, *over_seeds(values))
-    return found
+    }
+    return drift_and_tilt(sweep) | seed_means(results)
 
 
 LEGEND: Look = {"loc": "upper center", "ncols": 2}
 FORMS = "s-", "^-", "v-", "D-"
 
 
-def _draw_steps(ax, d, names: tuple[str, ...]):
-    at = [[*STEPS].index(name) for name in names]
-    for i, name, colour, form in zip(at, names, shades(len(names)), FORMS, strict=False):
-        label = STEPS[name] if name == "printed" else f"+ {STEPS[name]}"
-        curve(ax, d, "tilt", "step", colour, label, at=i, form=form, ms=2.5)
+def _draw_steps(ax, d, at: range):
+    names = [*STEPS.values()]
+    for i, colour, form in zip(at, shades(len(at)), FORMS, strict=False):
+        curve(ax, d, "tilt", "step", colour, names[i], at=i, form=form, ms=2.5)
     curve(ax, d, "tilt", "c_x", label="row", ms=3.5, lw=1.2)
     roof = max(np.nanmax(d["step"][at]), d["c_x"].max())
     tilt_axis(ax, 0, 65)
@@ -278,9 +271,14 @@ def _draw_steps(ax, d, names: tuple[str, ...]):
 
 
 def _draw_assumed(ax, d):
-    labels = ("$V_z/V_0$", "$-c_z/c_z'$", "$(c_x'-c_x)/V_0$", r"$\omega\,l/2V_0$", r"$\epsilon$")
-    looks = ((BLUE, "v-"), (GREEN, "D-"), (RED, "s-"), (BLACK, "o-"), (ORANGE, "^-"))
-    for (name, value), label, (colour, form) in zip(ASSUMED.items(), labels, looks, strict=True):
+    looks = (
+        (BLUE, "$V_z/V_0$", "v-"),
+        (GREEN, "$-c_z/c_z'$", "D-"),
+        (RED, "$(c_x'-c_x)/V_0$", "s-"),
+        (BLACK, r"$\omega\,l/2V_0$", "o-"),
+        (ORANGE, r"$\epsilon$", "^-"),
+    )
+    for (name, value), (colour, label, form) in zip(ASSUMED.items(), looks, strict=True):
         ax.axhline(value, color=colour, ls="--", lw=0.7)
         curve(ax, d, "tilt", name, colour, label, form=form, ms=2.5)
     tilt_axis(ax, 0, 65)
@@ -290,7 +288,7 @@ def _draw_assumed(ax, d):
 
 
 def _draw_left(ax, d):
-    y, names = np.arange(len(STEPS)), list(STEPS.values())
+    y = np.arange(len(STEPS))
     sets = ((-0.2, "left", BLACK, "all tilts"), (0.2, "left_larger", BLUE, f"> {SMALL_DEG}°"))
     thin = {"elinewidth": 0.7, "ecolor": "0.6"}
     for off, name, colour, label in sets:
@@ -301,7 +299,7 @@ def _draw_left(ax, d):
     some = slice(FIRST, -1)
     landing, error = d["left_landing"][some], d["left_landing_error"][some]
     points(ax, landing, y[some], None, ORANGE, xerr=error, form="^", label="landings")
-    ax.set_yticks(y, [names[0], *(f"+ {name}" for name in names[1:])])
+    ax.set_yticks(y, STEPS.values())
     ax.margins(x=0.5)  # for the legend
     ax.set(xlabel="misfit / row", xlim=(0, None))
     ax.invert_yaxis()
@@ -311,10 +309,9 @@ def _draw_left(ax, d):
 
 @style
 def draw(d: Data) -> plt.Figure:
-    names = tuple(STEPS)
-    panels: dict[str, Callable[[Axes, Data], None]] = {
-        "replaced one after another: plate, bounce": partial(_draw_steps, names=names[:4]),
-        "and on top of these: the mean touch": partial(_draw_steps, names=names[4:]),
+    panels = {
+        "replaced one after another: plate, bounce": partial(_draw_steps, at=range(4)),
+        "and on top of these: the mean touch": partial(_draw_steps, at=range(4, len(STEPS))),
         "assumptions": _draw_assumed,
         "what is left, step on step": _draw_left,
     }

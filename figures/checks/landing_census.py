@@ -13,8 +13,6 @@ Gamma; (e) over what rods lose when they meet. Dotted in (a) to (c): the tilt be
 cannot hold a tip.
 """
 
-from functools import cache
-
 import matplotlib.pyplot as plt
 import numpy as np
 from scipy.optimize import brentq
@@ -71,12 +69,11 @@ def one_row(quick: bool) -> Sweep:
 
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
     """Sweeps of rows over tilt, law by law, over Gamma and over the restitution between rods."""
-    periods, usual = CENSUS_PERIODS[quick], CONTACTS["constraint"]
     return {
         name: planned(
             [{key: [*(few if quick else full)]}],
-            periods,
-            CONTACTS.get(name, usual),
+            CENSUS_PERIODS[quick],
+            CONTACTS.get(name, CONTACTS["constraint"]),
             CENSUS_ROW,
             counted,
         )
@@ -84,7 +81,6 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
     }
 
 
-@cache
 def reversal_tilt() -> float:
     """Tilt [deg] beyond which friction cannot hold the tip of the row's rods."""
     return np.degrees(brentq(lambda tilt: critical_friction(paper_rod(tilt)) - FRICTION, 0, 0.8))
@@ -104,8 +100,8 @@ def data(quick: bool = False) -> Data:
 
 
 def _draw_regimes(ax, d):
-    for name, colour in zip(REGIME_WORDS.values(), REGIME_COLOURS, strict=True):
-        measure = name.split("-")[-1].split()[-1]
+    looks = zip(STORED[1:4], REGIME_COLOURS, REGIME_WORDS.values(), strict=True)
+    for measure, colour, name in looks:
         curve(ax, d, "constraint_tilt", f"constraint_{measure}", colour, name)
     ax.set(ylabel="share of touches", ylim=(0, 1.6))
 

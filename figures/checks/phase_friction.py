@@ -85,27 +85,27 @@ def data(quick: bool = False) -> Data:
 @style
 def draw(d: Data) -> plt.Figure:
     figure, (a, b, c) = plt.subplots(1, 3, figsize=(7.0, 3.1), width_ratios=(1, 1, 1.15))
+    friction, restitution = d["friction"], d["restitution"]
     top = max(d["theory"].max(), np.nanmax(d["c_x"]))
     name_panels((a, b, c), ("simulated", "theory", rf"$\epsilon={OF_LAW:g}$"))
+    rows, columns = np.arange(len(restitution)), np.arange(len(friction))
+    critical = np.interp(np.log(d["critical"]), np.log(friction), columns)
     for ax, name in ((a, "c_x"), (b, "theory")):
-        rows, columns = np.arange(len(d["restitution"])), np.arange(len(d["friction"]))
         mesh = ax.pcolormesh(columns, rows, d[name].T, cmap=WARM, vmin=0, vmax=top)
         for (i, j), value in np.ndenumerate(d[name]):
             ax.text(i, j, f"{value:.1f}", **CENTRED, rotation=90, path_effects=[HALO])
-        ax.set_xticks(columns, [f"{mu:g}" for mu in d["friction"]], rotation=60)
-        ax.set_yticks(rows, [f"{e:g}" for e in d["restitution"]])
-        critical = np.interp(np.log(d["critical"]), np.log(d["friction"]), columns)
+        ax.set_xticks(columns, [f"{mu:g}" for mu in friction], rotation=60)
+        ax.set_yticks(rows, [f"{e:g}" for e in restitution])
         ax.axvline(critical, color=BLACK, lw=0.8)
         ax.set(xlabel=r"friction $\mu$ of the plate")
         ax.tick_params(top=False, right=False)
     a.set_ylabel(r"restitution $\epsilon$")
     figure.colorbar(mesh, ax=[a, b], label=r"$c_x$ (cm/s)", pad=0.02)
-    cut = nearest(d["restitution"], OF_LAW)
+    cut = nearest(restitution, OF_LAW)
     curve(c, d, "friction", "c_x", label="simulated", at=(..., cut), form="o")
     c.plot(d["fine_friction"], d["fine_theory"], color=ORANGE, label=r"theory, $V_0/2$")
     scaled = d["theory"][:, cut] * 2 * d["V_z"][:, cut]
-    label = r"theory, measured $V_z$"
-    points(c, d["friction"], scaled, None, RIGID, form="s-", ms=2.5, label=label)
+    points(c, friction, scaled, None, RIGID, form="s-", ms=2.5, label=r"theory, measured $V_z$")
     c.axvline(d["critical"], 0, 0.67, color=BLACK, lw=0.8)
     zero_line(c)
     c.set(xscale="log", xlabel=r"friction $\mu$ of the plate", ylabel=r"$c_x$ (cm/s)")

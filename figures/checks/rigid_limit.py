@@ -87,8 +87,7 @@ def draw(d: Data) -> plt.Figure:
     for name, error, (colour, form) in zip(BY_STIFFNESS, d["error"], looks, strict=True):
         left.plot(k_n, error, form, color=colour, ms=3, label=name)
     left.plot(k_n[::3], d["located"], "x", color="0.5", ms=7, label="every switch located")
-    anchor = 0.4 * d["error"][0, 0] * (k_n / k_n[0]) ** -0.4
-    left.plot(k_n, anchor, "-", color="0.6", lw=0.8)
+    left.plot(k_n, 0.4 * d["error"][0, 0] * (k_n / k_n[0]) ** -0.4, "-", color="0.6", lw=0.8)
     left.text(1e11, 9e-7, r"$k_n^{-2/5}$", ha="center", color="0.4")
     log_log(left, ylim=(1e-10, 1))
     left.set(xlabel=r"stiffness $k_n$ ($mg/d^{3/2}$)", ylabel=r"RMS $|\Delta\mathbf{c}'|/|c_z|$")

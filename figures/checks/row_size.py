@@ -42,10 +42,7 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
     """Sweeps of rows over tilt, one for each number of rods."""
     return {
         str(count): planned(
-            [
-                {"box.length": boxes(SIZE_TILTS_DEG[quick], count)},
-                starts(seeds),
-            ],
+            [{"box.length": boxes(SIZE_TILTS_DEG[quick], count)}, starts(seeds)],
             periods,
             {"rods.count": count},
             measure=averaged,
@@ -59,8 +56,7 @@ def data(quick: bool = False) -> Data:
     rows = sweeps(quick).values()
     half = (LENGTH - 1) / 2  # the spread of tilts is stored as a length
     drifts = [larger_error(*gathered(row, "c_x", "c_x_stderr")) for row in rows]
-    stored = (gathered(row, "tilt_spread")[0] for row in rows)
-    spreads = [over_seeds(np.degrees(one / half)) for one in stored]
+    spreads = [over_seeds(np.degrees(gathered(row, "tilt_spread")[0] / half)) for row in rows]
     return {
         "count": np.array([*PLANS[quick]]),
         "nominal_deg": np.array(SIZE_TILTS_DEG[quick], float),

@@ -28,10 +28,9 @@ from ..lib.runs import (
     boxes,
     gathered,
     nearest,
-    over_seeds,
     planned,
+    seed_means,
     starts,
-    with_error,
 )
 from ..lib.style import (
     BLACK,
@@ -87,23 +86,13 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
     ways, slow = DRIVEN[quick]
     return {
         "map": planned(
-            [
-                {"box.length": boxes(tilts)},
-                {"plate.acceleration": [*gammas]},
-                STARTS,
-            ],
+            [{"box.length": boxes(tilts)}, {"plate.acceleration": [*gammas]}, STARTS],
             periods,
             measure=followed,
         ),
-        "lives": planned(
-            [{"box.length": boxes(some)}, starts(lives)],
-            long,
-            measure=followed,
-        ),
+        "lives": planned([{"box.length": boxes(some)}, starts(lives)], long, measure=followed),
         "driven": planned(
-            [{"box.length": boxes(row_motion.ENDS_DEG)}, starts(ways)],
-            slow,
-            measure=driven,
+            [{"box.length": boxes(row_motion.ENDS_DEG)}, starts(ways)], slow, measure=driven
         ),
     }
 
@@ -115,13 +104,12 @@ def states(d: Data) -> np.ndarray:
     ----------
     d : arrays of one shape by the names of `row_motion.SEEN`
     """
-    zigzag = np.zeros(np.shape(d["common"]), bool)
-    for name in ("height", "tilt"):
-        by_turns = d[f"{name}_order"] <= ZIGZAG_ORDER
-        zigzag |= by_turns & (d[f"{name}_spread"] >= ZIGZAG_SPREAD)
-    fallen = d["fallen"] >= FALLEN_SHARE
-    block = d["common"] >= BLOCK_COMMON
-    found = np.select([fallen, zigzag, block], [FALLEN, ZIGZAG, BLOCK], SINGLE)
+    by_turns = [
+        (d[f"{name}_order"] <= ZIGZAG_ORDER) & (d[f"{name}_spread"] >= ZIGZAG_SPREAD)
+        for name in ("height", "tilt")
+    ]
+    rules = [d["fallen"] >= FALLEN_SHARE, *by_turns, d["common"] >= BLOCK_COMMON]
+    found = np.select(rules, [FALLEN, ZIGZAG, ZIGZAG, BLOCK], SINGLE)
     return np.where(np.isfinite(d["common"]), found, MISSING)
 
 
@@ -181,7 +169,7 @@ def data(quick: bool = False) -> Data:
         "middle": np.nanmax(long["middle"].reshape(-1, lived.shape[-1]), axis=0),
         "still_there": still_there(lived),
         "driven_deg": _in_parts(slow["tilt_deg"]).mean(axis=1),
-        **with_error("driven_c_x", *over_seeds(slow_c_x)),
+        **seed_means({"driven_c_x": slow_c_x}),
     }
 
 
@@ -195,8 +183,8 @@ def _draw_map(ax, d):
             ax.plot([], [], form, color=colour, ms=3, label=STATES[each])
         for changed in (False, True):
             here = some & (d["changed"] == changed)
-            face = "white" if changed else colour
-            ax.plot(tilt[here], gamma[here], form, color=colour, mfc=face, ms=2.2, mew=0.5)
+            places = tilt[here], gamma[here], None
+            points(ax, *places, colour, form=form, hollow=changed, ms=2.2, mew=0.5)
     ax.set(xlabel=r"tilt $\phi$ (deg)", ylabel=r"acceleration $\Gamma$")
     ax.set_ylim(top=d["gamma"].max() + 1.6)
     ax.legend(loc="upper right")
@@ -205,10 +193,10 @@ def _draw_map(ax, d):
 def _draw_drift(ax, d):
     at = nearest(d["gamma"], GAMMA)
     for each, (colour, form) in enumerate(LOOKS):
-        for changed in (0, 1):
+        for changed in (False, True):
             some = (d["state"][:, at] == each) & (d["changed"][:, at] == changed)
             what = (d[name][:, at][some] for name in ("tilt_deg", "c_x", "c_x_error"))
-            points(ax, *what, colour, form=form, hollow=bool(changed))
+            points(ax, *what, colour, form=form, hollow=changed)
     zero_line(ax)
     ax.set(xlabel=r"tilt $\phi$ (deg)", ylabel=r"drift $c_x$ (cm/s)")
 

@@ -24,8 +24,8 @@ import numpy as np
 from md.scene import put, read_tables
 from md.sweep import Sweep
 
-from ..lib.runs import SEEDS, both, boxes, means, over_seeds, planned, with_error
-from ..lib.style import ORANGE, Data, legend_above, painted, points, style
+from ..lib.runs import SEEDS, both, boxes, means, planned, seed_means
+from ..lib.style import ORANGE, Data, curve, legend_above, painted, style
 
 MEASURED = {  # in the columns of the table, with the names that a run has for them
     "c_x": "c_x_cm_s",
@@ -66,17 +66,15 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
 def data(quick: bool = False) -> Data:
     """What both programs found, over the nominal tilt, with standard errors over starts."""
     tilts, found = other()
-    d = {"nominal_deg": tilts, **means(sweeps(quick)["row"], MEASURED)}
-    for name, values in zip(MEASURED, found, strict=True):
-        d |= with_error(f"other_{name}", *over_seeds(values))
-    return d
+    others = {f"other_{name}": values for name, values in zip(MEASURED, found, strict=True)}
+    return {"nominal_deg": tilts, **means(sweeps(quick)["row"], MEASURED), **seed_means(others)}
 
 
 def _beside(ax, d, name: str):
-    x, there = d["nominal_deg"], (d[f"other_{name}"], d[f"other_{name}_error"])
-    points(ax, x, *there, ORANGE, form="s", ms=6, hollow=True, label="program in C")
-    points(ax, x, d[name], d[f"{name}_error"], label="this program")
-    ax.set(ylabel=LABELS[name], xlabel="nominal tilt (deg)", ylim=(0, 1.15 * np.max(there[0])))
+    there = f"other_{name}"
+    curve(ax, d, "nominal_deg", there, ORANGE, "program in C", form="s", ms=6, hollow=True)
+    curve(ax, d, "nominal_deg", name, label="this program")
+    ax.set(ylabel=LABELS[name], xlabel="nominal tilt (deg)", ylim=(0, 1.15 * np.max(d[there])))
 
 
 @style

@@ -7,8 +7,6 @@ theory of the same friction, restitution and speed of the plate. No set is chose
 which of them a statement holds.
 """
 
-from typing import Any
-
 import numpy as np
 from scipy.stats import qmc, spearmanr
 
@@ -16,10 +14,10 @@ from md.scene import put
 from md.search import Parameter
 from md.sweep import Sweep, point_at
 
-from ..lib.runs import PARTS, RESOLVED, SIMPLE_ROW, boxes, computed
+from ..lib.runs import PARTS, RESOLVED, SIMPLE_ROW, Sweeps, boxes, computed, starts
 from ..lib.style import Data
 from . import over_tilt
-from .limits import holds
+from .limits import Record, holds
 
 TILTS_DEG = {False: (9, 15, 22, 28, 34, 45, 60), True: (9, 28, 45)}
 SETS, PERIODS = {False: 256, True: 4}, {False: 150, True: 40}
@@ -50,40 +48,32 @@ JUDGED = {  # statements that every set of properties has
 }
 
 
-def drawn(quick: bool = False) -> dict[str, np.ndarray]:
+def drawn(quick: bool = False) -> Data:
     """Properties of all sets: arrays by name, a value a set."""
     parts = qmc.Sobol(len(PROPERTIES), seed=1).random(SETS[quick])
-    found = {n: p.value(x) for (n, p), x in zip(PROPERTIES.items(), parts.T, strict=True)}
+    found = {p.name: p.value(x) for p, x in zip(PROPERTIES.values(), parts.T, strict=True)}
     return found | {"number of rods": np.rint(found["number of rods"])}
 
 
-def sweeps(quick: bool = False) -> dict[str, Sweep]:
+def sweeps(quick: bool = False) -> Sweeps:
     """Sweep of rows: every set at every tilt."""
     sets, tilts, points = drawn(quick), TILTS_DEG[quick], []
     base = put(SIMPLE_ROW, RESOLVED)
     for i in range(SETS[quick]):
-        values = {name: x[i].item() for name, x in sets.items()}
-        count = int(values["number of rods"])
-        changes = {key: values[name] for name, p in PROPERTIES.items() for key in p.keys}
+        changes = {k: sets[name][i].item() for name, p in PROPERTIES.items() for k in p.keys}
+        changes["rods.count"] = count = int(changes["rods.count"])
         for box in boxes(tilts, count):
-            changed = {**changes, "rods.count": count, "box.length": box}
-            points.append(point_at(base, changed, {"set": i}, PERIODS[quick]))
-    axes = {"set": [*range(SETS[quick])]}, {"tilt": [*tilts]}, {"start.seed": [1]}
+            points.append(point_at(base, changes | {"box.length": box}, {"set": i}, PERIODS[quick]))
+    axes = {"set": [*range(SETS[quick])]}, {"tilt": [*tilts]}, starts(1)
     return {"sets": Sweep(axes, tuple(points))}
-
-
-def _of_each(whole: Sweep) -> list[Sweep]:
-    """The rows of each set over tilt."""
-    _, *axes = whole.axes
-    each = len(whole.points) // whole.shape[0]
-    starts = range(0, len(whole.points), each)
-    return [Sweep(tuple(axes), whole.points[i : i + each]) for i in starts]
 
 
 def data(quick: bool = False) -> Data:
     """Properties of all sets, numbers of the claims, drifts [cm/s] over tilt and the theory's."""
     nominal, whole = np.array(TILTS_DEG[quick]), computed(sweeps(quick)["sets"])
-    tables = [over_tilt.table(sweep, nominal, own=True) for sweep in _of_each(whole)]
+    firsts = range(0, len(whole.points), nominal.size)
+    sets = [Sweep(whole.axes[1:], whole.points[i : i + nominal.size]) for i in firsts]
+    tables = [over_tilt.table(sweep, nominal, own=True) for sweep in sets]
     values = [[over_tilt.NUMBERS[name](table) for name in JUDGED] for table in tables]
     return {
         **drawn(quick),
@@ -92,7 +82,7 @@ def data(quick: bool = False) -> Data:
         "nominal": nominal,
         "c_x": np.array([table["c_x"] for table in tables]),
         "theory": np.array([over_tilt.theory(table, nominal) for table in tables]),
-        "tilt_off": np.array([np.abs(table["tilt"] - nominal).max() for table in tables]),
+        "tilt_off": np.array([over_tilt.NUMBERS["S2.largest"](table) for table in tables]),
     }
 
 
@@ -101,9 +91,14 @@ def kept(d: Data) -> np.ndarray:
     return d["tilt_off"] <= KEPT_DEG
 
 
-def judged(d: Data) -> dict[str, np.ndarray]:
+def _numbers(d: Data) -> Data:
+    """Number of each statement under each set that keeps the tilt."""
+    return dict(zip(d["number"].tolist(), d["value"][kept(d)].T, strict=True))
+
+
+def judged(d: Data) -> Data:
     """Whether each statement holds, 1 or 0, under each set that keeps the tilt; nan: not known."""
-    values = dict(zip(d["number"].tolist(), d["value"][kept(d)].T, strict=True))
+    values = _numbers(d)
     return {
         name: np.array([holds(value, row) for value in values[name]], float)
         for name, row in JUDGED.items()
@@ -111,7 +106,7 @@ def judged(d: Data) -> dict[str, np.ndarray]:
     }
 
 
-def told(d: Data) -> dict[str, Any]:
+def told(d: Data) -> Record:
     """What the page of the claims says: sets, and where each statement holds.
 
     `ranges` of the properties. `share`: of the sets that keep the tilt, those under which it holds;
@@ -124,7 +119,7 @@ def told(d: Data) -> dict[str, Any]:
     some = kept(d)
     ratio, lean = d["c_x"][some] / d["theory"][some], d["nominal"] > 30
     sides = [ratio[:, of] for of in (~lean, lean)]
-    numbers = dict(zip(d["number"].tolist(), d["value"][some].T, strict=True))
+    numbers = _numbers(d)
     return {
         "sets": len(some),
         "kept": int(some.sum()),
@@ -133,7 +128,7 @@ def told(d: Data) -> dict[str, Any]:
             name: {
                 "share": np.nanmean(true) if np.isfinite(true).any() else None,
                 "quartiles": _quartiles(numbers[name]),
-                "follows": _follows(d, some, numbers[name], true == 1),
+                "follows": _follows(d, numbers[name], true == 1),
             }
             for name, true in judged(d).items()
         },
@@ -148,16 +143,13 @@ def _quartiles(values: np.ndarray) -> list[float]:
     return np.percentile(known, [25, 50, 75]).tolist() if known.size else []
 
 
-def _follows(
-    d: Data, some: np.ndarray, value: np.ndarray, true: np.ndarray
-) -> dict[str, Any] | None:
+def _follows(d: Data, value: np.ndarray, true: np.ndarray) -> Record | None:
     """`follows` of `told`, from the numbers of the sets that keep the tilt, and where it holds."""
-    known = np.isfinite(value)
+    known, some = np.isfinite(value), kept(d)
     if known.sum() < FEW or np.ptp(value[known]) == 0:
         return None
     rank = {n: spearmanr(d[n][some][known], value[known]).statistic for n in PROPERTIES}
     most = max(rank, key=lambda name: abs(rank[name]))
     if abs(rank[most]) < FOLLOWS:
         return None
-    where = d[most][some][true]
-    return {"property": most, "rank": rank[most], "middle": _quartiles(where)[::2]}
+    return {"property": most, "rank": rank[most], "middle": _quartiles(d[most][some][true])[::2]}

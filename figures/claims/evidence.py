@@ -12,6 +12,7 @@ from .. import load
 from ..checks import landing_census
 from ..lib import runs
 from ..lib.data import figure_data
+from ..lib.style import Data
 from . import over_tilt
 from .uncertainty import Number, standard
 
@@ -24,10 +25,8 @@ class Whole(dict):
 
     def __getitem__(self, name: str) -> np.ndarray:
         value, error = super().__getitem__(name), self.get(f"{name}_error")
-        if error is not None:
-            unknown = np.isnan(error)
-            if np.isnan(value).any() or (unknown.any() and not unknown.all()):
-                raise RunError(f"{name}: runs are missing or have failed")
+        if error is not None and (np.isnan(value).any() or 0 < np.isnan(error).mean() < 1):
+            raise RunError(f"{name}: runs are missing or have failed")
         return value
 
 
@@ -46,20 +45,20 @@ class Evidence:
     quick: bool = False
     out: Path | None = None
     assumed: bool = False
-    _figures: dict[str, dict[str, np.ndarray]] = field(default_factory=dict)
+    _figures: dict[str, Data] = field(default_factory=dict)
 
-    def figure(self, name: str) -> dict[str, np.ndarray]:
+    def figure(self, name: str) -> Data:
         """Data of a figure by its name, read or computed once."""
         if name not in self._figures:
-            if self.assumed:
-                d = load(name).data(self.quick, assumed=True)
-            else:
-                d = figure_data(name, self.quick, self.out)
-            self._figures[name] = Whole(d)
+            self._figures[name] = Whole(
+                load(name).data(self.quick, assumed=True)
+                if self.assumed
+                else figure_data(name, self.quick, self.out)
+            )
         return self._figures[name]
 
     @cached_property
-    def over_tilt(self) -> dict[str, np.ndarray]:
+    def over_tilt(self) -> Data:
         """Table of the paper's row over tilt, from `over_tilt.table`."""
         return Whole(over_tilt.table(runs.tilt_plan(self.quick), runs.tilts(self.quick)))
 

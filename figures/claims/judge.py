@@ -17,7 +17,7 @@ import md
 from impact._generated import DIGEST
 from md.cache import digest
 
-from .limits import CLOSE, FAILS, HOLDS, MISSING, VERDICTS, deviation, holds, read
+from .limits import CLOSE, FAILS, HOLDS, MISSING, VERDICTS, Record, deviation, holds, read
 from .uncertainty import MEASURES, Number, resampled
 
 MARKS = {HOLDS: "+", FAILS: "-", CLOSE: "~", MISSING: "?"}
@@ -41,8 +41,9 @@ def measure(claim: str, evidence: Any) -> dict[str, Number]:
 
     found = {}
     for name, number in over_tilt.NUMBERS.items():
-        if name.startswith(f"{claim}."):
-            found[name.partition(".")[2]] = resampled(evidence.over_tilt, number)
+        of, key = name.split(".")
+        if of == claim:
+            found[key] = resampled(evidence.over_tilt, number)
     if claim in MEASURES:
         function, figure = MEASURES[claim]
         d = evidence.figure(figure) if figure else evidence
@@ -51,17 +52,16 @@ def measure(claim: str, evidence: Any) -> dict[str, Number]:
     return found
 
 
-def close(number: Number, limits: dict[str, Any]) -> bool:
+def close(number: Number, limits: Record) -> bool:
     """Whether a limit is as near as two standard errors, or one error of another notion."""
     random = number.notion == "standard error"
-    borders = [x for x in limits["holds"] if math.isfinite(x)]
     if random and math.isfinite(number.value) and math.isnan(number.error):
         return True  # in some draws the value is not there
     reach = (2 if random else 1) * number.error
-    return reach > 0 and any(abs(number.value - border) <= reach for border in borders)
+    return reach > 0 and any(abs(number.value - limit) <= reach for limit in limits["holds"])
 
 
-def verdict(number: Number, limits: dict[str, Any]) -> str:
+def verdict(number: Number, limits: Record) -> str:
     """Verdict on a statement."""
     true = holds(number.value, limits)
     if true is None:
@@ -69,29 +69,30 @@ def verdict(number: Number, limits: dict[str, Any]) -> str:
     return CLOSE if close(number, limits) else HOLDS if true else FAILS
 
 
-def judged_number(number: Number, limits: dict[str, Any]) -> dict[str, Any]:
+def judged_number(number: Number, limits: Record) -> Record:
     """A number with its limits and, if it has any, the verdict."""
-    value, error = float(number.value), float(number.error)
-    row = {**limits, "value": value, "error": error, "notion": number.notion}
+    value = float(number.value)
+    row = {**limits, "value": value, "error": float(number.error), "notion": number.notion}
     if "holds" in limits:
         row["verdict"] = verdict(number, limits)
         row["deviation"] = deviation(value, limits)
     return row
 
 
-def _judged(claim: dict[str, Any], evidence: Any) -> dict[str, Any]:
+def _judged(claim: Record, evidence: Any) -> Record:
     """The claim with its numbers and the verdicts on its statements."""
     trouble, measured = "", {}
     try:
         measured = measure(claim["id"], evidence)
     except NO_DATA as failure:
         trouble = f"{type(failure).__name__}: {' '.join(str(failure).split())}"
-    unknown = Number(math.nan)
-    rows = [judged_number(measured.get(row["key"], unknown), row) for row in claim["numbers"]]
+    rows = [
+        judged_number(measured.get(row["key"], Number(math.nan)), row) for row in claim["numbers"]
+    ]
     return {**claim, "numbers": rows, "trouble": trouble}
 
 
-def judge(quick: bool = False, out: Path | None = None) -> dict[str, Any]:
+def judge(quick: bool = False, out: Path | None = None) -> Record:
     """Judge all claims: what was measured, the verdicts, and where they come from.
 
     Runs what it needs, for minutes, as far as the store and the figures in `out` do not hold it.
@@ -112,24 +113,29 @@ def judge(quick: bool = False, out: Path | None = None) -> dict[str, Any]:
         bar.set_postfix_str(claim["id"])
         found = _judged(claim, evidence)
         if claim["figure"] in ASSUMED:
-            rows = statements(_judged(claim, simple))
-            found["assumed"] = "; ".join(f"{r['name']}: {shown(r)} ({r['verdict']})" for r in rows)
+            found["assumed"] = "; ".join(
+                f"{row['name']}: {shown(row)} ({row['verdict']})"
+                for row in statements(_judged(claim, simple))
+            )
         judged.append(found)
-    made = {
-        **machine(),
-        "system": platform.system(),
-        "md": digest(),
-        "impact": DIGEST,
-        "quick": quick,
+    return {
+        "provenance": {
+            **machine(),
+            "system": platform.system(),
+            "md": digest(),
+            "impact": DIGEST,
+            "quick": quick,
+        },
+        "any_rods": any_rods.told(surveyed),
+        "claims": judged,
     }
-    return {"provenance": made, "any_rods": any_rods.told(surveyed), "claims": judged}
 
 
 TEXTS = ("id", "says", "figure", "trouble")
 OF_A_STATEMENT = {"name", "value", "error", "verdict"}
 
 
-def load(path: Path) -> dict[str, Any]:
+def load(path: Path) -> Record:
     """Report from a JSON file; null as the value of a judged number was inf, else nan.
 
     Raises
@@ -137,24 +143,23 @@ def load(path: Path) -> dict[str, Any]:
     ValueError
         If the file is no JSON, or not of the claims.
     """
-    report = json.loads(path.read_text(encoding="utf-8"))
+    report = json.loads(path.read_text("utf-8"))
     try:
         claims = [
             {**c, "numbers": [_restored(row) for row in c["numbers"]]} for c in report["claims"]
         ]
-        texts = [claim[key] for claim in claims for key in TEXTS]
-        whole = all(row.keys() >= OF_A_STATEMENT for c in claims for row in statements(c))
-        if not (texts and whole and all(isinstance(text, str) for text in texts)):
+        there = [isinstance(claim[key], str) for claim in claims for key in TEXTS]
+        there += [row.keys() >= OF_A_STATEMENT for c in claims for row in statements(c)]
+        if not (there and all(there)):
             raise TypeError("something is missing")
         return {**report, "claims": claims, "quick": report["provenance"]["quick"]}
     except (AttributeError, LookupError, TypeError) as error:
         raise ValueError(f"no report of the claims: {error}") from None
 
 
-def _restored(row: dict[str, Any]) -> dict[str, Any]:
+def _restored(row: Record) -> Record:
     """A number with the nan and inf that JSON lacks."""
-    unknown = row.get("verdict", MISSING) == MISSING
-    value = math.nan if unknown else math.inf
+    value = math.nan if row.get("verdict", MISSING) == MISSING else math.inf
     known = {"value": value, "error": math.nan, "deviation": math.nan}
     restored = row | {key: lacking for key, lacking in known.items() if row.get(key) is None}
     if "holds" in row:
@@ -163,7 +168,7 @@ def _restored(row: dict[str, Any]) -> dict[str, Any]:
     return restored
 
 
-def shown(row: dict[str, Any]) -> str:
+def shown(row: Record) -> str:
     """A number with its error and unit: to two digits of the error, three of the number at most.
 
     An error that these digits do not show is left out.
@@ -174,8 +179,9 @@ def shown(row: dict[str, Any]) -> str:
     if not error > 0:
         return f"{value:.{DIGITS}g}{unit}"
     largest = max(abs(value), error)
-    digits = min(1 - math.floor(math.log10(error)), DIGITS - 1 - math.floor(math.log10(largest)))
-    digits = max(digits, 0)
+    digits = max(
+        0, min(1 - math.floor(math.log10(error)), DIGITS - 1 - math.floor(math.log10(largest)))
+    )
     off = f" ± {error:.{digits}f}" if error >= 0.5 * 10**-digits else ""
     return f"{value:.{digits}f}{off}{unit}"
 
@@ -185,17 +191,19 @@ def limits_shown(limits: list[float] | None) -> str:
     if limits is None:
         return ""
     low, high = limits
-    if math.isinf(low) or math.isinf(high):
-        return f"≤ {high:g}" if math.isinf(low) else f"≥ {low:g}"
+    if math.isinf(low):
+        return f"≤ {high:g}"
+    if math.isinf(high):
+        return f"≥ {low:g}"
     return f"{low:g}" if low == high else f"{low:g} to {high:g}"
 
 
-def statements(claim: dict[str, Any]) -> list[dict[str, Any]]:
+def statements(claim: Record) -> list[Record]:
     """The judged numbers of a claim."""
     return [row for row in claim["numbers"] if "holds" in row]
 
 
-def counted(report: dict[str, Any]) -> dict[str, dict[str, int]]:
+def counted(report: Record) -> dict[str, dict[str, int]]:
     """Statements with each verdict, by kind.
 
     Those that had a part in the choice of the figures' contact law are fitted, those of laws of
@@ -210,7 +218,7 @@ def counted(report: dict[str, Any]) -> dict[str, dict[str, int]]:
     return found
 
 
-def counts(report: dict[str, Any]) -> str:
+def counts(report: Record) -> str:
     """Number of statements with each verdict, kind by kind."""
     return "; ".join(
         f"of {sum(of.values())} statements {kind} "
@@ -219,39 +227,40 @@ def counts(report: dict[str, Any]) -> str:
     )
 
 
-def summary(claim: dict[str, Any]) -> str:
+def summary(claim: Record) -> str:
     """How many statements of a claim hold: "2 of 4 hold"."""
     rows = statements(claim)
     return f"{sum(row['verdict'] == HOLDS for row in rows)} of {len(rows)} hold"
 
 
-def regions(report: dict[str, Any]) -> dict[str, list[dict[str, Any]]]:
+def regions(report: Record) -> dict[str, list[Record]]:
     """Statements that hold for nearly all rods, for some, for hardly any.
 
     Each with its claim's `id` and what `any_rods` says of it. Without those of the claim by which
     rows were chosen.
     """
-    found: dict[str, list[dict[str, Any]]] = {"none": [], "some": [], "all": []}
+    found: dict[str, list[Record]] = {"none": [], "some": [], "all": []}
     for claim in report["claims"]:
         for row in statements(claim):
-            of = report["any_rods"]["numbers"].get(f"{claim['id']}.{row['key']}")
-            if of is None or of["share"] is None or claim["id"] == CHOOSES:
+            of = report["any_rods"]["numbers"].get(f"{claim['id']}.{row['key']}", {})
+            share = of.get("share")
+            if share is None or claim["id"] == CHOOSES:
                 continue
-            share = of["share"]
             group = "all" if share >= NEARLY else "none" if share <= 1 - NEARLY else "some"
             found[group].append({"id": claim["id"], **row, **of})
     return found
 
 
-def numbers(report: dict[str, Any]) -> dict[str, dict[str, Any]]:
+def numbers(report: Record) -> dict[str, Record]:
     """All numbers of a report, by claim and key ("S16.peak")."""
     return {f"{c['id']}.{row['key']}": row for c in report["claims"] for row in c["numbers"]}
 
 
-def brief(report: dict[str, Any]) -> str:
+def brief(report: Record) -> str:
     """A line a claim: its statements with + holds, - does not, ~ too close, ? not measured."""
     lines = []
     for claim in report["claims"]:
         cells = (f"{r['key']} {shown(r)} {MARKS[r['verdict']]}" for r in statements(claim))
-        lines.append(f"{claim['id']:4}{summary(claim):14}{', '.join(cells)} {claim['trouble']}")
-    return "\n".join([*(line.rstrip() for line in lines), *counts(report).split("; ")])
+        line = f"{claim['id']:4}{summary(claim):14}{', '.join(cells)} {claim['trouble']}"
+        lines.append(line.rstrip())
+    return "\n".join([*lines, *counts(report).split("; ")])

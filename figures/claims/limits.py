@@ -17,20 +17,22 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
+Record = dict[str, Any]  # as JSON has it: a claim, one of its numbers, a report on all claims
+
 HOLDS, FAILS = "holds", "does not hold"
 CLOSE, MISSING = "too close to call", "not measured"
 VERDICTS = HOLDS, FAILS, CLOSE, MISSING
 ONE_STATE_DEG = 12  # from this tilt on a row has one state (figure `states`)
 
 
-def read() -> list[dict[str, Any]]:
+def read() -> list[Record]:
     """The claims, in the order of their numbers."""
-    text = Path(__file__).with_name("claims.toml").read_text(encoding="utf-8")
-    empty = {"figure": "", "remark": "", "own_law": False}
-    return [{**empty, **claim} for claim in tomllib.loads(text)["claims"]]
+    text = Path(__file__).with_name("claims.toml").read_text("utf-8")
+    claims = tomllib.loads(text)["claims"]
+    return [{"figure": "", "remark": "", "own_law": False, **claim} for claim in claims]
 
 
-def holds(value: float, limits: dict[str, Any]) -> bool | None:
+def holds(value: float, limits: Record) -> bool | None:
     """Whether a number is within its limits; None for what is not judged or not known."""
     if "holds" not in limits or math.isnan(value):
         return None
@@ -38,7 +40,7 @@ def holds(value: float, limits: dict[str, Any]) -> bool | None:
     return bool(low <= value <= high)
 
 
-def deviation(value: float, limits: dict[str, Any]) -> float:
+def deviation(value: float, limits: Record) -> float:
     """(measured - claimed)/allowance; beyond 1 in size the statement does not hold.
 
     The claimed value is the middle of two limits, and zero where a number is to be small; nan where

@@ -12,7 +12,6 @@ from scipy.stats import norm
 
 from md import Annulus
 from md.placement import largest_tilt
-from md.sweep import Sweep
 
 from ..lib import runs
 from ..lib.arrangement import MORE_DEG
@@ -38,7 +37,7 @@ REGION_TILT_DEG = 25.0  # mean tilt at which the region of larger tilt holds hal
 REGION_DEG = 5.0  # contrast of tilts that makes a region
 
 
-def sweeps(quick: bool = False) -> dict[str, Sweep]:
+def sweeps(quick: bool = False) -> runs.Sweeps:
     """Sweeps of the claims that no figure shows: annuli and rows under the simple law."""
     return fig04.sweeps(quick, assumed=True)
 
@@ -51,11 +50,12 @@ def _shape(d: dict, name: str, key: str) -> Number:
 
 @measures("S4", "fig04")
 def drift_over_tilt(d):
-    keys = "bend", "slope", "early", "late", "dip", "end"
     more = {"narrow": ("narrow", "end"), "rest_dip": ("rest", "dip"), "rest_late": ("rest", "late")}
     return {
-        **{key: _shape(d, "still", key) for key in keys},
-        **{k: _shape(d, *of) if f"{of[0]}_c_x" in d else count(np.nan) for k, of in more.items()},
+        **{
+            key: _shape(d, "still", key) for key in ("bend", "slope", "early", "late", "dip", "end")
+        },
+        **{key: _shape(d, *of) for key, of in more.items() if f"{of[0]}_c_x" in d},
     }
 
 
@@ -64,11 +64,11 @@ def begins(d: dict, name: str) -> Numbers:
 
     The mean over further axes.
     """
-    gamma, c_x = d["gamma"], d[name].reshape(len(d["gamma"]), -1)
+    c_x = d[name].reshape(len(d["gamma"]), -1)
     forward = fig02.classify(c_x, d[f"{name}_error"].reshape(c_x.shape)) == 1
     found = {}
     for key, moves in ("onset", forward), ("visible", forward & (c_x > VISIBLE * c_x[-1])):
-        value, half, notion = zip(*(onset(gamma, one) for one in moves.T), strict=True)
+        value, half, notion = zip(*(onset(d["gamma"], one) for one in moves.T), strict=True)
         found[key] = Number(np.mean(value), np.mean(half), notion[0])
     return found
 
@@ -76,14 +76,14 @@ def begins(d: dict, name: str) -> Numbers:
 @measures("S5", "fig04")
 def drift_over_gamma(d):
     gamma = d["gamma"]
-    far, at_rest = gamma >= 2, "rest_gamma_c_x" in d
+    far = gamma >= 2
 
     def lines(d):
         return np.polyfit(gamma[far], d["gamma_c_x"][far], 1)
 
     return {
         **begins(d, "gamma_c_x"),
-        "rest": begins(d, "rest_gamma_c_x")["visible"] if at_rest else count(np.nan),
+        "rest": begins(d, "rest_gamma_c_x")["visible"] if "rest_gamma_c_x" in d else count(np.nan),
         "bend": lambda d: max(bend(gamma[far], y) for y in d["gamma_c_x"][far].T),
         "slope": lambda d: lines(d)[0].mean(),
         "zero": lambda d: np.mean(-lines(d)[1] / lines(d)[0]),
@@ -102,8 +102,7 @@ def walls(d):
 
 @measures("S8", "fig05")
 def zigzag(d):
-    low, order = d["mean"] <= UPRIGHT_DEG, d["zigzag"]
-    best = np.argmax(np.where(low, order, -np.inf))
+    best = np.argmax(np.where(d["mean"] <= UPRIGHT_DEG, d["zigzag"], -np.inf))
     at = runs.nearest(d["mean"], REGION_TILT_DEG)
 
     def first(values):
@@ -130,8 +129,7 @@ def zigzag(d):
 @measures("S18", "fig04")
 def plane_to_annulus(d):
     plane_tilt, tilt, smooth_tilt = d["plane_tilt"], d["still_tilt"], d["wall_tilt"][0]
-    low, high = plane_tilt.min(), min(plane_tilt.max(), 45)
-    inside = (tilt >= max(low, 10)) & (tilt <= high)
+    inside = (tilt >= max(plane_tilt.min(), 10)) & (tilt <= min(plane_tilt.max(), 45))
 
     def ratio(d):
         still, plane = d["still_c_x"], d["plane_c_x"]
@@ -148,7 +146,8 @@ def plane_to_annulus(d):
 def rolling(d):
     alike = np.isin(d["count"], d["rolling"])
     tilt = d["still_tilt"][alike]
-    between = (tilt > fig04.MAXIMA_DEG[0]) & (tilt < fig04.MAXIMA_DEG[1])
+    first, second = fig04.MAXIMA_DEG
+    between = (tilt > first) & (tilt < second)
 
     def kept(d):
         still, rolling = (
@@ -206,14 +205,14 @@ def geometry(d):
 @measures("E2", "fig02")
 def map_of_drift(d):
     gamma, kind = d["gamma"], d["kind"]
-    row, annulus = reverse_drift(d), reverse_drift(d, "ring_")
+    row = reverse_drift(d)
     back = (kind == -1).any(axis=1)
     return {
         "points": row.pop("back"),
         **row,
         "early": count(np.mean(kind[gamma < 1.5] == 1)),
         "end": onset(gamma, ~back) if back.any() else count(np.inf),
-        **{f"ring_{key}": number for key, number in annulus.items()},
+        **{f"ring_{key}": number for key, number in reverse_drift(d, "ring_").items()},
     }
 
 
@@ -224,12 +223,13 @@ def reverse_drift(d: dict, prefix: str = "") -> Numbers:
     follows : share of drifts up to Gamma = 1.6 with the sign of the plate's mean velocity
     """
     c_x, error, kind, V_z = (d[f"{prefix}{name}"] for name in ("c_x", "c_x_error", "kind", "V_z"))
-    early, back, forward = d["gamma"] <= fig02.ONSET, kind == -1, np.median(c_x[-1])
+    back, forward = kind == -1, np.median(c_x[-1])
     at = np.unravel_index(np.where(back, -c_x, -np.inf).argmax(), c_x.shape)
-    drifts, same = kind[early] != 0, (kind == np.sign(V_z))[early]
+    early = (d["gamma"] <= fig02.ONSET)[:, None] & (kind != 0)
+    same = (kind == np.sign(V_z))[early]
     return {
         "onset": onset(d["gamma"], (kind == 1).all(axis=1)),
         "back": count(back.sum()),
         "slower": standard(-c_x[at] / forward, error[at] / forward) if back.any() else count(0),
-        "follows": count(np.mean(same[drifts]) if drifts.any() else np.nan),
+        "follows": count(np.mean(same) if same.size else np.nan),
     }

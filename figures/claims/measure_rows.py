@@ -11,13 +11,13 @@ from scipy.optimize import minimize_scalar
 import impact
 import md
 from impact import drift, flat_ended_rod, spherocylinder
-from md.sweep import Sweep
 
 from ..checks import appendix_a, closure
 from ..cost.accuracy_cost_impact import gear_from_leapfrog
 from ..lib import runs as rows
 from ..lib import soft_impacts as soft
-from ..paper import fig12, fig13
+from ..lib.style import Data
+from ..paper import fig02, fig12, fig13
 from . import over_tilt
 from .evidence import Evidence, Whole
 from .measure_annulus import begins, reverse_drift
@@ -42,17 +42,16 @@ LEFT = "printed", "V_z", "turned", "restitution"  # of `closure.STEPS`
 LEFT_OF_LANDINGS = "V_z", "turned", "spin"  # of these as well
 
 
-def over(sweep: Sweep, **names: str) -> dict[str, np.ndarray]:
-    """Means over the starts of results of the store, by name, with their errors."""
-    return Whole(rows.means(sweep, names))
-
-
 @measures("S1", "appendix_a")
 def restitution(d):
-    e, step = d["restitution"][0, 0, 0], d["step_error"]
-    nearest = appendix_a.miss(d["restitution"]).min()
-    found = {"mean": e.mean(), "spread": np.ptp(e), "head_on": e[0], "nearest": nearest}
-    return {key: Number(value, step, "halved step") for key, value in found.items()}
+    e = d["restitution"][0, 0, 0]
+    found = {
+        "mean": e.mean(),
+        "spread": np.ptp(e),
+        "head_on": e[0],
+        "nearest": appendix_a.miss(d["restitution"]).min(),
+    }
+    return {key: Number(value, d["step_error"], "halved step") for key, value in found.items()}
 
 
 @measures("S3")
@@ -60,11 +59,11 @@ def forward(data):
     grid = data.figure("fig02")
     return {
         "forward": count(over_tilt.NUMBERS["S3.forward"](data.over_tilt)),  # not resampled
-        "driven": count(np.mean(grid["kind"][grid["gamma"] >= 1.6] == 1)),
+        "driven": count(np.mean(grid["kind"][grid["gamma"] >= fig02.ONSET] == 1)),
     }
 
 
-def _cut(data: Evidence) -> dict[str, np.ndarray]:
+def _cut(data: Evidence) -> Data:
     """Drift [cm/s] of the row over friction, at the restitution of the other figures."""
     d = data.figure("phase_friction")
     at = rows.nearest(d["restitution"], rows.RESTITUTION)
@@ -98,9 +97,9 @@ def over_gamma(d):
 @measures("S11")
 def turned_round(data):
     sweep = fig13.sweeps(data.quick)["gamma"]
-    names = {side: f"landings.c_z_{side}.mean" for side in ("before", "after")}
-    far, found = sweep.values("plate.acceleration") >= 2, rows.means(sweep, names)
-    d = Whole({name: values[far] for name, values in found.items()})  # near 1 no rod lands
+    names = {"before": "landings.c_z_before.mean", "after": "landings.c_z_after.mean"}
+    far = sweep.values("plate.acceleration") >= 2  # near 1 no rod lands
+    d = Whole({name: values[far] for name, values in rows.means(sweep, names).items()})
     return {"driven": resampled(d, lambda d: np.abs(1 + d["before"] / d["after"]).max())}
 
 
@@ -119,7 +118,6 @@ def soft_impact(d):
 @measures("S16")
 def theory(data):
     d, of, size = (data.figure(name) for name in ("fig13", "closure", "row_size"))
-    line = d["thin"] * d["speed"] / 2
     steps, usual = list(closure.STEPS), rows.nearest(size["count"], rows.COUNT)
     return {
         **{f"left_{name}": entry(of, "left", steps.index(name)) for name in LEFT},
@@ -129,7 +127,7 @@ def theory(data):
         },
         "size": resampled(size, lambda d: (d["c_x"][usual] / d["c_x"][-1]).mean()),
         "peak_tilt": peak(d, "tilt_tilt", "tilt_c_x"),
-        "peak_theory": Number(np.degrees(d["fine"])[line.argmax()]),
+        "peak_theory": Number(np.degrees(d["fine"])[d["thin"].argmax()]),
     }
 
 
@@ -184,8 +182,15 @@ def near_onset(data):
         x, y = gamma[near] - 1, (gamma * d["gamma_V_z"])[near]  # V_0 grows with Gamma
         return rms(y - (x @ y) / (x @ x) * x) / rms(y)
 
+    falling = np.where(lone["gamma_alpha_impulse"] < 0, 1, np.nan)
+
+    def least(name):
+        """The least where the plate falls at landings, in the mean."""
+        at = np.unravel_index(np.nanargmin(falling * lone[name]), falling.shape)
+        return entry(lone, name, at)
+
     reverse, sign, back = reverse_drift(grid), np.sign(grid["V_z"]), grid["kind"] < 0
-    found = {
+    return {
         "zero": onset(gamma, d["gamma_V_z"] > 0),
         "bend": resampled(d, off),
         "lowest": resampled(d, lambda d: d["gamma_V_z"][near].min()),
@@ -193,12 +198,9 @@ def near_onset(data):
         "backwards": reverse["back"],
         "explained": count(np.mean(sign[back] < 0) if back.any() else np.nan),
         "negative": count((sign < 0).sum()),
+        "lone_lowest": least("gamma_alpha_impulse"),
+        "lone_drift": least("gamma_drift"),
     }
-    falling = np.where(lone["gamma_alpha_impulse"] < 0, 1, np.nan)
-    for key, name in ("lone_lowest", "gamma_alpha_impulse"), ("lone_drift", "gamma_drift"):
-        at = np.unravel_index(np.nanargmin(falling * lone[name]), falling.shape)
-        found[key] = entry(lone, name, at)
-    return found
 
 
 @measures("S24", "fig13")
@@ -210,16 +212,18 @@ def tilt_over_gamma(d):
     }
 
 
-FREQUENCIES_HZ, FREQUENCY_TILTS_DEG = (50, 60, 75, 100), (10, 21, 40)
-SLIPPERY = 2e-3, 4e-3  # frictions of the plate
+FREQUENCIES_HZ, FREQUENCY_TILTS_DEG = [50, 60, 75, 100], (10, 21, 40)
+SLIPPERY = [2e-3, 4e-3]  # frictions of the plate
 
 
-def sweeps(quick: bool = False) -> dict[str, Sweep]:
+def sweeps(quick: bool = False) -> rows.Sweeps:
     """Sweeps that no figure shows: over frequency and tilt; long runs on a slippery plate."""
-    frequencies = {"plate.frequency_hz": [50, 100] if quick else [*FREQUENCIES_HZ]}
-    tilts = {"box.length": rows.boxes(FREQUENCY_TILTS_DEG)}
-    axes = [frequencies, tilts, rows.starts(2 if quick else 3)]
-    slippery = [{"contacts.plate.friction": [*SLIPPERY]}, rows.starts(2 if quick else 4)]
+    axes = [
+        {"plate.frequency_hz": [50, 100] if quick else FREQUENCIES_HZ},
+        {"box.length": rows.boxes(FREQUENCY_TILTS_DEG)},
+        rows.starts(2 if quick else 3),
+    ]
+    slippery = [{"contacts.plate.friction": SLIPPERY}, rows.starts(2 if quick else 4)]
     long = {"box.length": rows.BOX, "rods.inertia": "solid"}
     return {
         "frequency": rows.planned(axes, 50 if quick else 150),
@@ -239,8 +243,7 @@ def relaxation(series: np.ndarray) -> tuple[float, float]:
         value = (shape @ series) / (shape @ shape)
         return ((series - value * shape) ** 2).sum(), value
 
-    bounds = 0.0, np.log(3 * len(series))
-    best = minimize_scalar(lambda x: fitted(x)[0], bounds=bounds, method="bounded").x
+    best = minimize_scalar(lambda x: fitted(x)[0], bounds=(0.0, np.log(3 * len(series)))).x
     return fitted(best)[1], np.exp(best)
 
 
@@ -261,21 +264,21 @@ def slow_start(scene: md.Scene, periods: int) -> dict[str, float]:
     }
 
 
-def _slippery(data: Evidence) -> dict[str, np.ndarray]:
+def _slippery(data: Evidence) -> Data:
     """Rows on a slippery plate, over friction; the largest drift over all frictions [cm/s]."""
     names = "stationary", "relaxation", "V_z", "often"
-    found = over(sweeps(data.quick)["slippery"], **{name: name for name in names})
+    found = rows.means(sweeps(data.quick)["slippery"], {name: name for name in names})
     cut = _cut(data)
     at = cut["c_x"].argmax()
-    return {**found, "largest": cut["c_x"][at], "largest_error": cut["c_x_error"][at]}
+    return Whole(found | {"largest": cut["c_x"][at], "largest_error": cut["c_x_error"][at]})
 
 
 @measures("S25")
 def frequency(data):
     sweep = sweeps(data.quick)["frequency"]
     regimes = {name: f"touches.{name}.mean" for name in ("slide", "slip_stick", "slip_reversal")}
-    d, speeds = over(sweep, c_x="c_x", **regimes), [p.scene.plate_speed for p in sweep.points]
-    speed = np.reshape(speeds, sweep.shape)[..., 0]
+    d = Whole(rows.means(sweep, {"c_x": "c_x", **regimes}))
+    speed = np.reshape([point.scene.plate_speed for point in sweep.points], sweep.shape)[..., 0]
 
     def factor(d):
         scaled = d["c_x"] / speed
@@ -293,9 +296,9 @@ def frequency(data):
 def without_friction(data):
     d, least = _slippery(data), SLIPPERY[0]
     rod = spherocylinder(rows.BOX_TILT, rows.LENGTH)
-    low, middle, high = (
-        drift(rod, friction=mu, restitution=rows.RESTITUTION).c_x for mu in (1e-9, least, np.inf)
-    )
+    low, middle, high = drift(
+        rod, friction=np.array([1e-9, least, np.inf]), restitution=rows.RESTITUTION
+    ).c_x
     speed, needed = rows.plate_speed_cm_s(), rod.X * rod.Z / (2 * least * rod.k**2)
     landings = impact.relaxation(rod, friction=least, restitution=rows.RESTITUTION)
     return {
@@ -311,19 +314,18 @@ def without_friction(data):
 
 @measures("E3", "tip_shape")
 def flat_end(d):
-    tilt, edge = d["tilt"], d["flat_threshold"]
-    length, at = d["length"], np.radians(28)
-    shapes = flat_ended_rod, spherocylinder
-    flat, whole = (drift(shape(at, length), **rows.SETTING).c_x for shape in shapes)
-    beyond, below = tilt > edge, (tilt > 0) & (tilt < edge)
-    at_28, ahead = rows.nearest(d["bounced_tilt"], at), tilt > 0
+    tilt = d["tilt"]
+    at, shapes = np.radians(28), (flat_ended_rod, spherocylinder)
+    flat, whole = (drift(shape(at, d["length"]), **rows.SETTING).c_x for shape in shapes)
+    beyond, ahead = tilt > d["flat_threshold"], tilt > 0
+    at_28 = rows.nearest(d["bounced_tilt"], at)
     bounced = np.degrees(d["bounced_tilt"])
     return {
         "threshold": Number(crossing(np.degrees(tilt[ahead]), -d["flat"][ahead], 0)),
         "bounced_threshold": lambda d: crossing(bounced, -d["flat_bounced"], 0),
         "slower": Number(flat / whole),
-        "always": Number((d["flat"] / np.where(beyond, d["round"], np.inf)).max()),
-        "below": Number(d["flat"][below].min()),
+        "always": Number((d["flat"][beyond] / d["round"][beyond]).max()),
+        "below": Number(d["flat"][ahead & (tilt < d["flat_threshold"])].min()),
         "bounced": lambda d: d["flat_bounced"][at_28] / d["round_bounced"][at_28],
         "reverse": lambda d: d["flat_bounced"].min(),
     }

@@ -74,12 +74,9 @@ def theory(d: Table, tilt_deg: np.ndarray) -> np.ndarray:
     return np.interp(tilt_deg, d["theory_tilt"], d["theory_c_x"])
 
 
-def _small(d: Table, name: str) -> float:
-    return d[name][d["nominal"] < SMALL_DEG].mean()
-
-
-def _large(d: Table, name: str) -> float:
-    return d[name][d["nominal"] > LARGE_DEG].mean()
+def _mean(name: str, above: float = 0, below: float = 90) -> Callable[[Table], float]:
+    """Mean of an array of a table over the tilts between two, in degrees."""
+    return lambda d: d[name][(d["nominal"] > above) & (d["nominal"] < below)].mean()
 
 
 def change_tilt(d: Table) -> float:
@@ -126,10 +123,11 @@ def _off_theory(d: Table) -> float:
 @measures("S14", "fig08")
 def phases(d: Table) -> Numbers:
     """Share of the touches that would have to move to give the paper's density of phases."""
-    H = landing_density(d["phase"])
-    return {"distance": lambda d: np.pi * np.abs(d["density"] - H).mean()}
+    return {"distance": lambda d: np.pi * np.abs(d["density"] - landing_density(d["phase"])).mean()}
 
 
+_falling_small = _mean("falling", below=SMALL_DEG)
+_falling_large = _mean("falling", above=LARGE_DEG)
 NUMBERS: dict[str, Callable[[Table], Any]] = {  # claim and key, as in claims.toml
     "S2.rms": lambda d: rms(d["tilt"] - d["nominal"]),
     "S2.largest": lambda d: np.abs(d["tilt"] - d["nominal"]).max(),
@@ -142,16 +140,16 @@ NUMBERS: dict[str, Callable[[Table], Any]] = {  # claim and key, as in claims.to
     "S11.landings": lambda d: rms(1 - _turned(d, "landing_")),
     "S11.smallest": lambda d: _turned(d).min(),
     "S11.largest": lambda d: _turned(d).max(),
-    "S12.mean": lambda d: d["V_z"].mean(),
+    "S12.mean": _mean("V_z"),
     "S12.spread": lambda d: np.ptp(d["V_z"][d["nominal"] >= ONE_STATE_DEG]),
-    "S12.by_speed": lambda d: d["V_z_by_speed"].mean(),
-    "S13.small": lambda d: _small(d, "flight"),
+    "S12.by_speed": _mean("V_z_by_speed"),
+    "S13.small": _mean("flight", below=SMALL_DEG),
     "S13.large": lambda d: rms(d["flight"][d["nominal"] > LARGE_DEG] - 1),
     "S13.change": change_tilt,
     "S13.sharp": _sharp,
-    "S14.small": lambda d: _small(d, "falling"),
-    "S14.large": lambda d: _large(d, "falling"),
-    "S14.less": lambda d: _small(d, "falling") - _large(d, "falling"),
+    "S14.small": _falling_small,
+    "S14.large": _falling_large,
+    "S14.less": lambda d: _falling_small(d) - _falling_large(d),
     "S16.distance": _off_theory,
     "S16.peak": lambda d: d["c_x"].max() / d["theory_c_x"].max(),
     "S16.peak_single": lambda d: (
@@ -159,10 +157,10 @@ NUMBERS: dict[str, Callable[[Table], Any]] = {  # claim and key, as in claims.to
     ),
     "S16.bump": bump,
     "S21.largest": lambda d: d["slide"].max(),
-    "S21.mean": lambda d: d["slide"][d["nominal"] > 12].mean(),
-    "S22.contact": lambda d: d["contact"].mean(),
-    "S22.pushed": lambda d: d["pushed"].mean(),
-    "S22.touches": lambda d: d["touches"].mean(),
+    "S21.mean": _mean("slide", above=12),
+    "S22.contact": _mean("contact"),
+    "S22.pushed": _mean("pushed"),
+    "S22.touches": _mean("touches"),
 }
 JUDGED = {  # their statements, with what the paper says
     name: {"id": claim["id"], "says": claim["says"], **row}

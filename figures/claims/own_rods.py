@@ -7,7 +7,6 @@ or frictions have no part here.
 
 from collections import Counter
 from collections.abc import Iterator
-from typing import Any
 
 from joblib import cpu_count
 
@@ -17,7 +16,7 @@ from ..lib.runs import lacking, row_of, tilt_plan, tilts
 from ..pages.everything import in_words, run_seconds
 from . import over_tilt
 from .judge import MARKS, judged_number, limits_shown, shown
-from .limits import VERDICTS
+from .limits import VERDICTS, Record
 from .uncertainty import resampled
 
 
@@ -40,24 +39,27 @@ def estimate(scene: str, quick: bool = False) -> Iterator[str]:
         yield f"those left take about {in_words(seconds)} and the time to compile"
 
 
-def judged(scene: str, quick: bool = False) -> dict[str, Any]:
+def judged(scene: str, quick: bool = False) -> Record:
     """Statements with their numbers and verdicts for a scene; runs what the store does not hold.
 
     Parameters
     ----------
     scene, quick : as of `estimate`
     """
-    row, nominal = row_of(scene), tilts(quick)
-    table = over_tilt.table(tilt_plan(quick, scene=scene), nominal, own=True)
+    row = row_of(scene)
+    table = over_tilt.table(tilt_plan(quick, scene=scene), tilts(quick), own=True)
     rows = [
         judged_number(resampled(table, over_tilt.NUMBERS[name]), limits)
         for name, limits in over_tilt.JUDGED.items()
     ]
-    made = {"scene": scene, "quick": quick, "md": digest()}
-    return {"provenance": made, "rods": row.words, "statements": rows}
+    return {
+        "provenance": {"scene": scene, "quick": quick, "md": digest()},
+        "rods": row.words,
+        "statements": rows,
+    }
 
 
-def brief(report: dict[str, Any]) -> str:
+def brief(report: Record) -> str:
     """What the paper says, below it a line a statement; how many have each verdict."""
     rods = report["rods"].replace("$", "").replace("\\,", " ").replace("\\", "")
     said, lines = "", [f"{rods}. The paper says:"]

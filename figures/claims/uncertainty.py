@@ -57,15 +57,13 @@ def entry(d: Mapping, name: str, at: Any) -> Number:
 
 
 class _Watched(dict):
-    """A dictionary that notes which of its entries are read."""
+    """The entries of another dictionary that have been read."""
 
     def __init__(self, given: Mapping):
-        super().__init__(given)
         self.given = given
-        self.seen: dict[str, np.ndarray] = {}
 
-    def __getitem__(self, name: str) -> np.ndarray:
-        return self.seen.setdefault(name, self.given[name])
+    def __missing__(self, name: str) -> np.ndarray:
+        return self.setdefault(name, self.given[name])
 
 
 def resampled(d: Mapping, function: Callable[[Mapping], float]) -> Number:
@@ -80,7 +78,7 @@ def resampled(d: Mapping, function: Callable[[Mapping], float]) -> Number:
     """
     random, watched, found = np.random.default_rng(1), _Watched(d), []
     value = function(watched)
-    names = [name for name in watched.seen if f"{name}_error" in d]
+    names = [name for name in watched if f"{name}_error" in d]
     for _ in range(200):
         moved = {name: random.normal(d[name], d[f"{name}_error"]) for name in names}
         found.append(function({**d, **moved}))
@@ -91,8 +89,9 @@ def onset(x: np.ndarray, begun: np.ndarray) -> Number:
     """Place on a grid of Gamma from which on `begun` is true; below Gamma = 1 nothing moves."""
     if not begun[-1]:
         return Number(np.inf, notion="half interval")
-    j, x = np.max(np.flatnonzero(~begun), initial=-1) + 1, np.append(1.0, x)
-    return Number((x[j] + x[j + 1]) / 2, (x[j + 1] - x[j]) / 2, "half interval")
+    j = np.max(np.flatnonzero(~begun), initial=-1) + 1
+    low, high = np.append(1.0, x)[j : j + 2]
+    return Number((low + high) / 2, (high - low) / 2, "half interval")
 
 
 def crossing(x: np.ndarray, y: np.ndarray, level: float) -> float:

@@ -23,7 +23,7 @@ from md.kernels.single import METHODS, run, started
 from md.laws import contact_time, effects_of
 
 from ..lib.soft_impacts import APPROACH_RATIO, IMPACT_FRICTION, ROD, TABLE_TILTS, one_impact
-from ..lib.style import BLACK, BLUE, GREEN, ORANGE, Data, log_log, name_panels, note, style
+from ..lib.style import BLACK, BLUE, GREEN, GUIDE, ORANGE, Data, log_log, name_panels, note, style
 from ..lib.timing import machine_line, measured_here, medians
 
 LAW = md.coulomb()
@@ -158,8 +158,8 @@ def _fixed_steps(ax, d, x: Sequence[np.ndarray]):
     for i, (method, look) in enumerate(LOOKS.items()):
         label = f"{method.title()}, order {d['order'][i]:.2f}"
         _errors(ax, x[i], d["fixed_error"][:, i], *look, label)
-    ax.axhline(d["floor"], color="0.55", lw=0.8, ls="--")
-    ax.axhline(np.finfo(float).eps / 2, color="0.55", lw=0.8, ls=":")
+    ax.axhline(d["floor"], **GUIDE, ls="--")
+    ax.axhline(np.finfo(float).eps / 2, **GUIDE, ls=":")
     log_log(ax, ylim=(3e-17, 1))
 
 

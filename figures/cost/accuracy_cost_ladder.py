@@ -33,6 +33,7 @@ from ..lib.runs import (
     gathered,
     over_seeds,
     paper_rod,
+    starts,
 )
 from ..lib.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, RIGID, THEORY, Data, note, style
 from ..lib.timing import measured_here, medians, repeated, seconds_per_period
@@ -79,14 +80,18 @@ def rungs(quick: bool) -> dict[tuple[str, str], tuple[float, dict, int]]:
 def sweeps(quick: bool = False) -> dict[str, Sweep]:
     """Sweeps over starts: of every row, and of the row of the trusted answer."""
 
-    def starts(rows: list[tuple[float, dict, int]], count: int) -> Sweep:
-        seeds = list(range(1, count + 1))
-        points = [Point(scene(n, to, seed), periods) for n, to, periods in rows for seed in seeds]
-        return Sweep(({"row": rows}, {"start.seed": seeds}), tuple(points))
+    def started(rows: list[tuple[float, dict, int]], count: int) -> Sweep:
+        axis = starts(count)
+        points = [
+            Point(scene(n, to, seed), periods)
+            for n, to, periods in rows
+            for seed in axis["start.seed"]
+        ]
+        return Sweep(({"row": rows}, axis), tuple(points))
 
     trusted = [(TRUSTED_STEPS, {}, TRUSTED_PERIODS[quick])]
     every = list(rungs(quick).values())
-    return {"rows": starts(every, STARTS), "trusted": starts(trusted, TRUSTED_STARTS)}
+    return {"rows": started(every, STARTS), "trusted": started(trusted, TRUSTED_STARTS)}
 
 
 def _closed(speed: float, calls: int) -> tuple[float, ...]:
@@ -169,19 +174,11 @@ def panel(ax: Axes, d: Data) -> None:
     for group, (colour, marker) in LOOKS.items():
         for unclear in (False, True):
             here = (d["group"] == group) & ((np.abs(off) <= error) == unclear)
-            face = "white" if unclear else colour
-            ax.errorbar(
-                off[here],
-                y[here],
-                xerr=error[here],
-                fmt=marker,
-                color=colour,
-                mfc=face,
-                elinewidth=0.8,
-            )
-    seconds, beside = EngFormatter("s", places=1), {"va": "center", "ha": "right"}
+            look = {"color": colour, "mfc": "white" if unclear else colour, "elinewidth": 0.8}
+            ax.errorbar(off[here], y[here], xerr=error[here], fmt=marker, **look)
+    seconds, beside = EngFormatter("s", places=1), ax.get_yaxis_transform()
     for at, time in zip(y, d["seconds"], strict=True):
-        ax.text(1.15, at, seconds(time), transform=ax.get_yaxis_transform(), **beside)
+        ax.text(1.15, at, seconds(time), transform=beside, va="center", ha="right")
     kinds = {"another model": -1.0, "the same model": y[computed].min() - 1}
     names = [f"{group}: {label}" for group, label in zip(d["group"], d["label"], strict=True)]
     bold = [rf"$\bf{{{kind}}}$".replace(" ", r"\ ") for kind in kinds]

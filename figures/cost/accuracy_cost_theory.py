@@ -11,7 +11,7 @@ import numpy as np
 from impact import collide
 
 from ..lib.exact_impacts import FIELDS, Impacts, literal, random_impacts, reference
-from ..lib.style import BLACK, BLUE, RED, Data, log_log, note, style
+from ..lib.style import BLACK, BLUE, GUIDE, RED, Data, log_log, note, style
 from ..lib.timing import machine_line, measured_here, medians, repeated
 
 TIMED_RUNS = 7
@@ -62,11 +62,10 @@ def draw(d: Data) -> plt.Figure:
         ax.plot(time, worst, marker, ls="", color=colour, ms=4.5, label=label)
         ax.plot(time, middle, marker, mfc="white", color=colour, ms=4.5)
     half_ulp = np.finfo(float).eps / 2
-    ax.axhline(half_ulp, color="0.55", lw=0.8, ls=":")
+    ax.axhline(half_ulp, **GUIDE, ls=":")
     ax.text(2.3, 1.3 * half_ulp, "half an ulp", va="bottom")
-    ax.axvline(1e9 * d["memory_seconds"], color="0.55", lw=0.8, ls="--")
-    beside = 1.35e9 * d["memory_seconds"]
-    ax.text(beside, 1e-3, "one pass through memory", rotation=90, va="center")
+    ax.axvline(1e9 * d["memory_seconds"], **GUIDE, ls="--")
+    ax.text(1.35e9 * d["memory_seconds"], 1e-3, "one pass through memory", rotation=90, va="center")
     log_log(ax, xlim=(2, 1e4), ylim=(1e-18, 1e5))
     ax.set(xlabel="time per impact (ns)", ylabel="relative error")
     figure.legend(loc="outside right center", title="filled: largest error\nopen: median")

@@ -52,12 +52,12 @@ def _lines(points: int) -> Data:
     # the ratio of the contact point stands for that of a rod without spin
     ratio = (1 - 0.7 * X) / (1 - 0.7 * Z)
     slide = slide_friction(rod, approach_ratio=ratio, restitution=0.8)
-    holds = np.where((X > 0) & (critical_friction(rod) >= slide), critical_friction(rod), np.nan)
+    critical = critical_friction(rod)
     left = (tilt < 0) & (Z > 1e-9)
     return {
         "line_tilt": tilt,
         "slide_friction": np.where(np.isfinite(slide) & (slide > 0), slide, np.nan),
-        "critical_friction": holds,
+        "critical_friction": np.where((X > 0) & (critical >= slide), critical, np.nan),
         "painleve_friction": np.where(left, painleve_friction(rod), np.nan),
     }
 
@@ -65,7 +65,7 @@ def _lines(points: int) -> Data:
 def data(quick: bool = False) -> Data:
     """Errors on the map, shape (friction, tilt), and its boundary lines."""
     cells, samples, points = ((45, 30), 2, 201) if quick else ((180, 120), 5, 1001)
-    return {**_map(cells, samples), **_lines(points)}
+    return _map(cells, samples) | _lines(points)
 
 
 @style

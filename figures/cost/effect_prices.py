@@ -12,6 +12,7 @@ or contacts of rods no row is left to drift; what only measures does not change 
 """
 
 from collections.abc import Callable
+from copy import deepcopy
 from math import ceil
 from time import perf_counter
 
@@ -26,9 +27,18 @@ from md.kernels.march import Series
 from md.scene import put
 from md.sweep import Sweep
 
-from ..lib.runs import SIMPLE_ROW, means, planned, starts
+from ..lib.runs import SIMPLE_ROW, gathered, over_seeds, planned, starts
 from ..lib.style import BLUE, ORANGE, Data, note, style
-from ..lib.timing import estimate, in_turn, machine_line, measured_here, onward, steady, waited
+from ..lib.timing import (
+    Sampler,
+    estimate,
+    in_turn,
+    machine_line,
+    measured_here,
+    onward,
+    steady,
+    waited,
+)
 from .scene_variants import BARE, FULL, GROUPS, STEP_SIZE, Effect, Variant, variants
 
 Place = tuple[dict[str, np.ndarray], int]  # all that changes in a run, and the number of its step
@@ -57,18 +67,18 @@ def _settled(settle: int) -> tuple[list[Place], list[Place]]:
     onward(engine, settle * engine.per)
     for _ in range(PLACES):
         onward(engine, engine.per + engine.per // PLACES)
-        arrays = {name: value.copy() for name, value in engine.arrays().items()}
+        arrays = deepcopy(engine.arrays())
         motion, now = engine.plate, engine.step % engine.per
         moving.append((arrays, engine.step))
-        frame = {name: arrays[name].copy() for name in ("rods", "listed.built")}
-        for part in frame.values():
-            part[:, Z] -= motion.height[now]
-        frame["rods"][:, C_Z] -= motion.velocity[now]
-        still.append((arrays | frame, engine.step))
+        seen = deepcopy(arrays)
+        for name in ("rods", "listed.built"):
+            seen[name][:, Z] -= motion.height[now]
+        seen["rods"][:, C_Z] -= motion.velocity[now]
+        still.append((seen, engine.step))
     return moving, still
 
 
-def _call(engine: Engine, series: Series | None, places: list[Place]) -> Callable[[], float]:
+def _call(engine: Engine, series: Series | None, places: list[Place]) -> Sampler:
     """Time of a step of a rod, mean over the places; the call and the restart do not count."""
     steps = engine.per // PART
 
@@ -106,8 +116,8 @@ def _drifts(quick: bool) -> np.ndarray:
     """Drift and its standard error in cm/s: of the full scene, then of each changed one."""
     found = np.full((2, 1 + len(rows())), np.nan)
     for i, sweep in waited(sweeps(quick).items(), "drift", "scene"):
-        mean = means(sweep, {"drift": "c_x"})
-        found[:, i] = np.array([*mean.values()]) * sweep.points[0].scene.cm_per_s
+        mean_and_error = over_seeds(gathered(sweep, "c_x")[0])
+        found[:, i] = np.multiply(mean_and_error, sweep.points[0].scene.cm_per_s)
     return found
 
 
@@ -170,7 +180,10 @@ def changes(d: Data) -> list[str]:
     return words
 
 
-_LOOKS = (("alone", ORANGE, "alone, on the barest scene"), ("within", BLUE, "in the full scene"))
+_LOOKS = (
+    (-0.2, "alone", ORANGE, "alone, on the barest scene"),
+    (0.2, "within", BLUE, "in the full scene"),
+)
 
 
 def panel(ax: Axes, d: Data) -> None:
@@ -180,10 +193,10 @@ def panel(ax: Axes, d: Data) -> None:
     price, error, _ = np.concatenate([d["alone"], d["within"]]).T
     longest = max((price + error).max(), 0.1)
     lowest = min((price - error).min(), -0.05 * longest)
-    for side, (key, colour, label) in zip((-0.2, 0.2), _LOOKS, strict=True):
+    for side, key, colour, label in _LOOKS:
         value, error, _ = d[key].T
-        thin = {"elinewidth": 0.7}
-        ax.barh(y + side, value, 0.38, xerr=error, color=colour, label=label, error_kw=thin)
+        look = {"color": colour, "label": label, "error_kw": {"elinewidth": 0.7}}
+        ax.barh(y + side, value, 0.38, xerr=error, **look)
         for at, one, off in zip(y + side, value, error, strict=True):
             start = max(one, 0) + off + 0.01 * longest
             words = plus_minus(one, off).replace("-", "−")

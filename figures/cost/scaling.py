@@ -9,7 +9,6 @@ give.
 """
 
 import os
-from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import monotonic, perf_counter, sleep
@@ -25,8 +24,17 @@ from md.scene import from_tables, put
 from md.sweep import execute
 
 from ..lib.runs import SIMPLE_ROW, planned, starts
-from ..lib.style import BLACK, BLUE, Data, log_log, note, painted, style
-from ..lib.timing import estimate, in_turn, machine_line, measured_here, onward, steady, waited
+from ..lib.style import BLACK, BLUE, GUIDE, Data, log_log, note, painted, style
+from ..lib.timing import (
+    Sampler,
+    estimate,
+    in_turn,
+    machine_line,
+    measured_here,
+    onward,
+    steady,
+    waited,
+)
 
 ROW_SIZES = (10, 20, 40, 80, 160, 320, 640, 1250, 2500, 5000)  # a third of them if quick
 LEAST = 320  # rods a sample is about, with one period each
@@ -42,7 +50,7 @@ def _row(count: int) -> md.Scene:
     return from_tables(put(SIMPLE_ROW, {"rods.count": count, "box.length": count * SPACING}))
 
 
-def _periods(count: int, settle: int) -> Callable[[], float]:
+def _periods(count: int, settle: int) -> Sampler:
     """Processor time of a step of a rod in a settled row, over whole periods."""
     engine = prepare(_row(count))
 
@@ -64,7 +72,7 @@ def _meet(folder: str, workers: int) -> None:
         sleep(0.01)
 
 
-def _sweeping(workers: int) -> Callable[[], float]:
+def _sweeping(workers: int) -> Sampler:
     """Time of a step of a rod in as many runs at once as there are workers."""
     sweep = planned([starts(RUNS_PER_CORE * workers)], SWEEP_PERIODS, base=SIMPLE_ROW)
     engine = prepare(sweep.points[0].scene)
@@ -112,18 +120,16 @@ def _throughput(d: Data) -> tuple[np.ndarray, np.ndarray]:
     return 1e3 / value, 1e3 / value**2 * error
 
 
-def _ms(d: Data) -> tuple[np.ndarray, np.ndarray]:
-    """Milliseconds of a period, and half of the interquartile range."""
-    value, _, spread = d["row"].T * d["counts"] * d["steps_per_period"] * 1e-6
-    return value, spread / 2
-
-
 def panel(ax: Axes, d: Data) -> None:
-    """Time of a period over the number of rods, beside a line of the slope 1."""
-    counts, (ms, half) = d["counts"], _ms(d)
+    """Time of a period over the number of rods, beside a line of the slope 1.
+
+    Bars are half of the interquartile range to either side.
+    """
+    counts = d["counts"]
+    ms, _, spread = d["row"].T * counts * d["steps_per_period"] * 1e-6
     guide = np.median(ms / counts) * counts
-    ax.plot(counts, guide, "--", color="0.55", lw=0.8, label="proportional to $N$")
-    ax.errorbar(counts, ms, half, fmt="o", color=BLUE, ms=3, lw=0.8, label="measured")
+    ax.plot(counts, guide, "--", **GUIDE, label="proportional to $N$")
+    ax.errorbar(counts, ms, spread / 2, fmt="o", color=BLUE, ms=3, lw=0.8, label="measured")
     log_log(ax, xlabel="number of rods $N$", ylabel="time of a period (ms)")
     rate = _throughput(d)[0]
     gains = [*zip(d["workers"], rate / rate[0], strict=True)][1:]
@@ -136,7 +142,7 @@ def panel(ax: Axes, d: Data) -> None:
 def _draw_cores(ax, d):
     (rate, error), workers = _throughput(d), d["workers"]
     ends = np.array([0, workers[-1]])
-    ax.plot(ends, rate[0] * ends, "--", color="0.55", lw=0.8, label="proportional to cores")
+    ax.plot(ends, rate[0] * ends, "--", **GUIDE, label="proportional to cores")
     ax.errorbar(workers, rate, error, fmt="s", color=BLACK, ms=3, lw=0.8, label="measured")
     ax.set(xlabel="cores", ylabel="million steps of a rod per second")
     ax.set(xlim=(0, 1.1 * workers[-1]), ylim=(0, 1.1 * rate[0] * workers[-1]))

@@ -82,7 +82,7 @@ def _instead(change: Changes, usual: Changes, everywhere: Changes | None = None)
 def _zero(key: str, base: Changes) -> Effect:
     """An effect of the size zero against a scene that does not name it."""
     zero, unnamed = {key: 0.0}, {key: "none"}
-    alone = _bare({**base, **zero}), _bare({**base, **unnamed})
+    alone = _bare(base | zero), _bare(base | unnamed)
     return Effect(alone, (Variant(zero), Variant(unnamed)))
 
 

@@ -32,7 +32,7 @@ _HOUSE = Path(__file__).parents[2]
 
 def _imports(path: Path, found: set[Path]) -> set[Path]:
     """Add a file of `figures`, its table, and all that it imports from there."""
-    found.update(file for file in (path, path.with_suffix(".toml")) if file.is_file())
+    found |= {path, *path.parent.glob(f"{path.stem}.toml")}
     for node in ast.walk(ast.parse(path.read_bytes())):
         if isinstance(node, ast.ImportFrom) and node.level:
             base = path.parents[node.level - 1] / (node.module or "").replace(".", "/")
@@ -55,8 +55,12 @@ def _digest(*paths: Path) -> str:
 
 def _files(*packages: str) -> list[Path]:
     """Sources and tables of packages."""
-    files = (path for package in packages for path in (_HOUSE / package).rglob("*"))
-    return sorted(path for path in files if path.suffix in (".py", ".toml", ".json"))
+    return sorted(
+        path
+        for package in packages
+        for path in (_HOUSE / package).rglob("*")
+        if path.suffix in (".py", ".toml", ".json")
+    )
 
 
 def sources_of(function: Callable) -> str:
@@ -142,7 +146,7 @@ def kept_data(name: str, folder: Path) -> dict[str, np.ndarray]:
         with path.open("rb") as file, np.load(file) as stored:
             return {key: stored[key] for key in stored if key != "provenance"}
     except (*BROKEN, TypeError) as error:  # TypeError: a single array
-        raise InputError(f"{path} holds no data of a figure: {error}") from None
+        raise InputError(f"{path} holds no data of {name}: {error}") from None
 
 
 def figure_data(name: str, quick: bool = False, out: Path | None = None) -> dict[str, np.ndarray]:

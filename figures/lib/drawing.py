@@ -13,6 +13,7 @@ from joblib import delayed
 from joblib.externals.loky import get_reusable_executor
 from tqdm import tqdm
 
+from impact import InputError
 from impact._generated import DIGEST
 from md.files import replacing
 from md.sweep import pool
@@ -52,13 +53,17 @@ def produce(
     """
     module, own = load(name), {key: own[key] for key in FIGURES[name].own if key in own}
     data = module.data(quick=quick, **own) if kept is None else kept_data(name, kept)
-    picture = module.draw(data)
+    try:
+        picture = module.draw(data)
+    except KeyError as error:
+        if kept is None:
+            raise
+        raise InputError(f"{kept / name}.npz holds no data of {name}: {error} is missing") from None
     by = {"quick": quick, "own": own} if kept is None else made(kept / f"{name}.npz")
-    marks = ["quick"] if by.get("quick") else []
-    marks += ["values not the paper's"] if by.get("own") else []
-    if marks:
-        words = picture.get_supxlabel()
-        style(note)(picture, "; ".join([words, *marks] if words else marks))
+    marks = [by.get("quick") and "quick", by.get("own") and "values not the paper's"]
+    if any(marks):
+        words = filter(None, [picture.get_supxlabel(), *marks])
+        style(note)(picture, "; ".join(words))
     stamp = {"Title": f"{FIGURES[name].title} (impact {DIGEST})"}
     npz, png, pdf = (out / file for file in files_of(name))
     try:
@@ -97,8 +102,7 @@ def _pool(
     names: Sequence[str], out: Path, quick: bool, jobs: int, own: Own
 ) -> Iterator[Iterator[Drawn]]:
     """Figures as they are drawn by `jobs` processes, which end with this context."""
-    task = delayed(_in_a_process)
-    tasks = [task(runs.STORE, name, out, quick, None, own) for name in names]
+    tasks = [delayed(_in_a_process)(runs.STORE, name, out, quick, None, own) for name in names]
     try:
         with pool(tasks, jobs, pre_dispatch="all") as results:
             yield results

@@ -34,7 +34,6 @@ COUNT, LENGTH, GAMMA, FRICTION, RESTITUTION = 40, 9.5, 3.3, 0.3, 0.65  # of Figs
 SETTING: dict[str, Any] = {"friction": FRICTION, "restitution": RESTITUTION}  # of the theory
 BOX = 43.0  # length of the box where the tilt is not varied
 BOX_TILT = np.arccos(COUNT / BOX)  # rad
-_COARSE = {"step.size": 2.4e-4, "step.coarse": True}  # a 25th of a contact
 PARTS = "plate", "rods"
 
 
@@ -44,7 +43,9 @@ def both(**options: Any) -> dict[str, Any]:
 
 
 SIMPLE = both(restitution=RESTITUTION, tangential_ratio=3)  # one law for plate and rods
-SIMPLE_ROW = put(read_tables("quasi2d"), {**_COARSE, "start.speed": 0.3, **SIMPLE})  # of prices
+# a 25th of a contact
+_STEP_AND_START = {"step.size": 2.4e-4, "step.coarse": True, "start.speed": 0.3}
+SIMPLE_ROW = put(read_tables("quasi2d"), _STEP_AND_START | SIMPLE)  # of prices
 LAW_OF = {  # plate, rods: of all simulated rows and annuli; chosen once among 320 laws
     "restitution": (0.75, 0.86),
     "tangential_ratio": (7.2, 0.68),
@@ -74,7 +75,7 @@ TILT_SCAN_WORDS = (
 _WALLS = {f"contacts.wall.{name}": plate for name, (plate, _) in LAW_OF.items()}
 ASSUMED_NAME = "restitution 0.65, tangential ratio 3 of plate, rods and walls"  # before the search
 SIMPLE_ANNULUS = read_tables("annulus")  # under that law
-ANNULUS = put(SIMPLE_ANNULUS, {**LAW, **_WALLS})  # walls are like the plate
+ANNULUS = put(SIMPLE_ANNULUS, LAW | _WALLS)  # walls are like the plate
 ANNULUS_SCENE = from_tables(ANNULUS)
 ANNULUS_COUNT = ANNULUS_SCENE.rods.count  # of Fig. 5(b), and of all that is not over this number
 _ANNULUS_WORDS = (
@@ -166,12 +167,14 @@ def _own(scene: str, place: str) -> Row:
     return Row(varied, setting, plate.acceleration, words)
 
 
+Function = Callable[[Any, int], dict[str, Any]]  # of scene and periods, for a measure
+Sweeps = dict[str, Sweep]  # that a figure needs, by name
 STORE = Path("out/rows.db")  # of all runs; what `--store` of the commands sets
 
 
 def boxes(tilt_deg: Iterable[float], count: int = COUNT) -> list[float]:
     """Lengths [d] of the box in which a row of `count` rods has these tilts [deg]."""
-    return (count / np.cos(np.radians(np.array([*tilt_deg])))).tolist()
+    return (count / np.cos(np.radians([*tilt_deg]))).tolist()
 
 
 def planned(
@@ -179,7 +182,7 @@ def planned(
     periods: int,
     changes: Mapping[str, Any] | None = None,
     base: Mapping[str, Any] = ROW,
-    measure: Callable[[Any, int], dict[str, Any]] | None = None,
+    measure: Function | None = None,
 ) -> Sweep:
     """A sweep along axes, seeds last; nothing is run.
 
@@ -196,7 +199,7 @@ def planned(
     return sweep if measure is None else measured_by(sweep, measure)
 
 
-def measured_by(sweep: Sweep, measure: Callable[[Any, int], dict[str, Any]]) -> Sweep:
+def measured_by(sweep: Sweep, measure: Function) -> Sweep:
     """Sweep whose points store what a function of scene and periods measures."""
     how = Measure(measure, sources_of(measure))
     return replace(sweep, points=tuple(replace(point, measure=how) for point in sweep.points))
@@ -246,12 +249,17 @@ def with_error(name: str, mean: np.ndarray, error: np.ndarray) -> dict[str, np.n
     return {name: mean, f"{name}_error": error}
 
 
-def means(sweep: Sweep, names: Mapping[str, str]) -> dict[str, np.ndarray]:
-    """Means over seeds of results of a sweep, with `name_error` beside them."""
+def seed_means(results: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Means of arrays over the seeds, their last axis, with `name_error` beside them."""
     found: dict[str, np.ndarray] = {}
-    for name, values in zip(names, gathered(sweep, *names.values()), strict=True):
+    for name, values in results.items():
         found |= with_error(name, *over_seeds(values))
     return found
+
+
+def means(sweep: Sweep, names: Mapping[str, str]) -> dict[str, np.ndarray]:
+    """Means over seeds of results of a sweep, with `name_error` beside them."""
+    return seed_means(dict(zip(names, gathered(sweep, *names.values()), strict=True)))
 
 
 DRIFT_AND_TILT = "c_x_cm_s", "c_x_stderr_cm_s", "tilt_deg", "tilt_stderr_deg"  # of a run
@@ -288,7 +296,7 @@ def tilt_plan(
     return planned([along, seeds or SEEDS], periods_of(quick), changes, row.tables)
 
 
-def tilt_sweeps(quick: bool = False) -> dict[str, Sweep]:
+def tilt_sweeps(quick: bool = False) -> Sweeps:
     """The paper's row over tilt, as `sweeps` of a figure."""
     return {"tilt": tilt_plan(quick)}
 
@@ -330,4 +338,4 @@ def _lone(quick: bool, scene: str | None, _: str) -> tuple[np.ndarray, list["Bou
 def plate_speed_cm_s(gamma: float | np.ndarray = GAMMA) -> float | np.ndarray:
     """Peak velocity V_0 [cm/s] of the paper's plate at a peak acceleration `gamma` [g]."""
     scene = from_tables(ROW)
-    return scene.plate_speed * scene.cm_per_s * np.asarray(gamma) / ROW["plate"]["acceleration"]
+    return scene.plate_speed * scene.cm_per_s * np.asarray(gamma) / GAMMA

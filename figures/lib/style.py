@@ -61,6 +61,7 @@ LAW_COLOURS = {"newton": THEORY, "poisson": ORANGE, "stronge": SKY}  # of restit
 RESTITUTION_LAWS = tuple(LAW_COLOURS)
 ARROW: Look = {"arrowstyle": "->", "lw": 0.6}
 DOTTED: Look = {"color": BLACK, "lw": 0.8, "ls": ":"}  # a place on an axis that the caption names
+GUIDE: Look = {"color": "0.55", "lw": 0.8}  # a line beside what is measured
 CENTRED: Look = {"ha": "center", "va": "center"}
 SHAPES = {"thin": "thin rod", "round": "round tips", "flat": "flat ends"}
 SHAPE_COLOURS = {"thin": THEORY, "round": RIGID, "flat": PURPLE}

@@ -30,6 +30,10 @@ LONG_ENOUGH = 1e-3  # seconds of one sample
 MEDIAN_ERROR = 1.2533 / 1.349  # of the median of n normal values: this times their iqr / sqrt(n)
 
 
+Sampler = Callable[[], float]  # makes one sample and returns its time
+Repeater = Callable[[int], Any]  # does its work as many times as its argument says
+
+
 class Estimate(NamedTuple):
     """Median over rounds, its standard error and the interquartile range."""
 
@@ -43,12 +47,12 @@ def waited(items: Iterable, desc: str, unit: str = "it") -> tqdm:
     return tqdm(items, desc=desc, unit=unit, disable=None, leave=False, delay=2)
 
 
-def in_turn(calls: Sequence[Callable[[], float]], rounds: int, seed: int = 0) -> np.ndarray:
+def in_turn(calls: Sequence[Sampler], rounds: int, seed: int = 0) -> np.ndarray:
     """Times of calls taken in turn, in a random order each round, shape (rounds, calls).
 
     Parameters
     ----------
-    calls : each makes one sample and returns its time
+    calls : each makes one sample
     rounds : how many of each
     seed : of the orders
     """
@@ -59,16 +63,16 @@ def in_turn(calls: Sequence[Callable[[], float]], rounds: int, seed: int = 0) ->
     return samples
 
 
-def medians(calls: Sequence[Callable[[int], Any]], runs: int) -> np.ndarray:
+def medians(calls: Sequence[Repeater], runs: int) -> np.ndarray:
     """Median seconds of each of several calls, taken in turn, after two that do not count.
 
     Parameters
     ----------
-    calls : each does its work as many times as its argument says
+    calls : each repeats its work as often as asked
     runs : samples of each
     """
 
-    def sampler(call: Callable[[int], Any]) -> Callable[[], float]:
+    def sampler(call: Repeater) -> Sampler:
         call(1)  # compiles
         often = max(1, round(LONG_ENOUGH / timeit(lambda: call(1), number=1)))
         return lambda: timeit(lambda: call(often), number=1) / often
@@ -76,7 +80,7 @@ def medians(calls: Sequence[Callable[[int], Any]], runs: int) -> np.ndarray:
     return np.median(in_turn([*map(sampler, calls)], runs), axis=0)
 
 
-def repeated(call: Callable[[], Any]) -> Callable[[int], Any]:
+def repeated(call: Callable[[], Any]) -> Repeater:
     """Call for `medians` that repeats another as often as asked and returns the last result."""
 
     def repeat(times: int) -> Any:
@@ -118,7 +122,7 @@ def onward(engine: Engine, steps: int, series: Series | None = None) -> float:
 def seconds_per_period(scenes: Sequence[Scene]) -> np.ndarray:
     """Median processor seconds of a period of each scene under way, without an energy ledger."""
 
-    def sampler(scene: Scene) -> Callable[[], float]:
+    def sampler(scene: Scene) -> Sampler:
         engine = prepare(scene, ledger=False)
         onward(engine, SETTLE_PERIODS * engine.per)
         return lambda: onward(engine, SAMPLE_PERIODS * engine.per) / SAMPLE_PERIODS

@@ -18,6 +18,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from impact import InputError
+from md.host import STEPS_PER_CONTACT
 
 from .. import load
 from ..claims import judge
@@ -59,8 +60,13 @@ templates = Environment(
     keep_trailing_newline=True,
 )
 templates.filters |= {"time": _time, "shown": judge.shown, "limits": judge.limits_shown}
-templates.globals |= {"judge": judge, "one_state_deg": ONE_STATE_DEG, "checked": CHECKED}
-templates.globals |= {"pm": plus_minus, "runs_of": _runs_of}
+templates.globals |= {
+    "judge": judge,
+    "one_state_deg": ONE_STATE_DEG,
+    "checked": CHECKED,
+    "pm": plus_minus,
+    "runs_of": _runs_of,
+}
 
 
 def claims_page(report: dict[str, Any]) -> str:
@@ -91,10 +97,14 @@ def pages() -> dict[Path, str]:
     prices = json.loads((GALLERY / "prices.json").read_text(encoding="utf-8"))
     report = judge.load(GALLERY / "claims.json")
     numbers = {name: _short(row) for name, row in judge.numbers(report).items()}
-    given = {"prices": prices, "report": report, "number": numbers}
-    given["ladder"] = ladder = {rung["label"]: rung for rung in prices["ladder"]}
-    steps = [label for label, rung in ladder.items() if rung["group"] == "step"]
-    given["middle"] = steps[-2]  # of the steps: its row is the plain one
+    ladder = {rung["label"]: rung for rung in prices["ladder"]}
+    given = {
+        "prices": prices,
+        "report": report,
+        "number": numbers,
+        "ladder": ladder,
+        "plain": f"$t_c/{STEPS_PER_CONTACT}$",  # the row at the usual step
+    }
     made = {GALLERY / "claims.md": claims_page(report)}
     for name in ("costs.md", "effects.md"):
         made[GALLERY / name] = templates.get_template(f"{name}.jinja").render(given)

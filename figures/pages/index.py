@@ -40,6 +40,7 @@ ABOUT = (
 )
 BADGES = {"holds": "agrees", "does not hold": "erratum"}
 TAGS = {entry.tag for entry in ENTRIES}
+TEXTS = ".html", ".json", ".txt"  # files without a size
 
 
 class Item(NamedTuple):
@@ -60,16 +61,12 @@ class Folder:
     borrowed: set[str] = field(default_factory=set)
     own: set[str] = field(default_factory=set)  # shown from here
 
-    def find(self, name: str, picture: bool = False) -> Item | None:
+    def find(self, name: str) -> Item | None:
         """The folder's own file, else the gallery's; a picture only if it can be read."""
         for path in (self.path / name, GALLERY / name):
-            if path.is_file() and (size := _size(path) if picture else ((0, 0), 0)):
+            if path.is_file() and (size := _size(path)):
                 return Item(path, self.address(path), path.parent == self.path, *size)
         return None
-
-    def picture(self, name: str) -> Item | None:
-        """Picture of that name, the folder's own or the gallery's; None if none can be read."""
-        return self.find(name, picture=True)
 
     def address(self, path: Path) -> str:
         """Address, from the page, of the folder's own file or of the copy of the gallery's."""
@@ -92,10 +89,12 @@ class Folder:
         return Markup(to_html(" ".join(sentence.split()), link))
 
 
-def _size(picture: Path) -> tuple[tuple[int, int], int] | None:
+def _size(path: Path) -> tuple[tuple[int, int], int] | None:
     """Size of a picture in pixels, and its width as drawn; None if it cannot be read."""
+    if path.suffix in TEXTS:
+        return (0, 0), 0
     try:
-        with Image.open(picture, formats=["PNG", "GIF"]) as image:
+        with Image.open(path, formats=["PNG", "GIF"]) as image:
             size, (dots, _) = image.size, image.info.get("dpi", (96, 96))
             image.verify()
     except BROKEN:
@@ -103,8 +102,9 @@ def _size(picture: Path) -> tuple[tuple[int, int], int] | None:
     return size, round(96 * size[0] / dots)
 
 
-def _read(path: Path) -> str:
-    return path.read_text(encoding="utf-8", errors="replace")
+def _read(item: Item | None) -> str:
+    """Text of a file; none if it is not there."""
+    return item.path.read_text(encoding="utf-8", errors="replace") if item else ""
 
 
 def caption(name: str) -> dict[str, Any]:
@@ -118,7 +118,7 @@ def caption(name: str) -> dict[str, Any]:
 
 def _figure(folder: Folder, name: str) -> dict[str, Any]:
     """What is shown of a figure: its picture, and what its module says of it."""
-    item = folder.picture(f"{name}.png")
+    item = folder.find(f"{name}.png")
     time = "minutes" if FIGURES[name].alone else "seconds to minutes"
     found = {"name": name, "title": FIGURES[name].title, "item": item, "time": time}
     if not item:
@@ -146,14 +146,14 @@ def _claims(folder: Folder) -> dict[str, Any]:
 
 def _movies(folder: Folder) -> list[Item]:
     films = (path.name for path in sorted(folder.path.glob("[!.]*.gif")))  # whole ones
-    found = [*filter(None, map(folder.picture, films))]
-    return found or [*filter(None, [folder.picture("row.gif")])]
+    found = [*filter(None, map(folder.find, films))]
+    return found or [*filter(None, [folder.find("row.gif")])]
 
 
 def _proofs(folder: Folder) -> dict[str, Any]:
     """The report of the derivations and its outcome."""
     page = folder.find("report.html")
-    outcome = re.search(r"<h2>Verdicts</h2><p>([^<]*)</p>", _read(page.path)) if page else None
+    outcome = re.search(r"<h2>Verdicts</h2><p>([^<]*)</p>", _read(page))
     counted = report.counted(entry.verdict for entry in ENTRIES)
     return {"page": page, "outcome": outcome[1] if outcome else "", "counted": Markup(counted)}
 
@@ -167,7 +167,6 @@ def files(out: Path) -> dict[str, bytes]:
         If the folder is not there or holds nothing to show, or holds the project's gallery itself.
     """
     folder = Folder(out)
-    tables = folder.find("prices.txt")
     given = {
         "folder": folder,
         "badges": BADGES,
@@ -175,8 +174,8 @@ def files(out: Path) -> dict[str, bytes]:
         "proofs": _proofs(folder),
         "pictures": [_figure(folder, name) for name in FIGURES if name not in PRICE_PANELS],
         "prices": [_figure(folder, name) for name in PRICE_PANELS],
-        "price_page": folder.picture("prices.png"),
-        "price_tables": _read(tables.path) if tables else "",
+        "price_page": folder.find("prices.png"),
+        "price_tables": _read(folder.find("prices.txt")),
         "claims": _claims(folder),
         "movies": _movies(folder),
     }

@@ -101,10 +101,12 @@ def record(scene: md.Scene, periods: int = 20, frames: int = 8, progress: bool =
 def _places(scene: md.Scene, rods: np.ndarray) -> np.ndarray:
     """Places x, z [d] and tilts [rad] of rods, (3, rods); in an annulus along its middle."""
     if not scene.annulus:
-        return np.array([rods[:, 0], rods[:, 1], np.arctan2(rods[:, 2], rods[:, 3])])
-    azimuth = np.arctan2(rods[:, 1], rods[:, 0])
-    lean = np.cos(azimuth) * rods[:, 4] - np.sin(azimuth) * rods[:, 3]
-    return np.array([scene.annulus.middle * azimuth, rods[:, 2], np.arctan2(lean, rods[:, 5])])
+        x, z, sine, cosine, *_ = rods.T
+        return np.array([x, z, np.arctan2(sine, cosine)])
+    x, y, z, u_x, u_y, u_z = rods[:, :6].T
+    azimuth = np.arctan2(y, x)
+    lean = np.cos(azimuth) * u_y - np.sin(azimuth) * u_x
+    return np.array([scene.annulus.middle * azimuth, z, np.arctan2(lean, u_z)])
 
 
 def _window(film: Film) -> tuple[float, float, float, float]:
@@ -136,15 +138,15 @@ class Picture:
         self.film, self.marked = film, film.x.shape[1] // 2
         left, right, bottom, top = _window(film)
         tall = min(INCHES * (top - bottom) / (right - left), 6.0)
-        below, above = (1.1 if film.scene.plate else 0.1), 0.3
-        whole = tall + below + above
+        below = 1.1 if film.scene.plate else 0.1
+        whole = tall + below + 0.3
         self.figure = plt.figure(figsize=(INCHES, whole), dpi=DPI, layout="none")
-        self.row = self.figure.add_axes((0, below / whole, 1, tall / whole))
-        self.row.set(xlim=(left, right), ylim=(bottom, top), aspect="equal", xticks=[], yticks=[])
-        self.row.axis("off")
-        self.row.apply_aspect()  # a high picture does not fill the width
+        row = self.figure.add_axes((0, below / whole, 1, tall / whole))
+        row.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
+        row.axis("off")
+        row.apply_aspect()  # a high picture does not fill the width
         self.words = self.figure.text(0.01, 1 - 0.06 / whole, "", va="top", fontsize=10)
-        (start, _), (end, _) = self.row.transData.transform([(0, 0), (1, 0)])
+        (start, _), (end, _) = row.transData.transform([(0, 0), (1, 0)])
         points = 72 / DPI * (end - start)  # of a length of 1
         outlined = [Stroke(linewidth=points, foreground=DARK), Normal()]
         inside = points * (1 - 2 * OUTLINE)
@@ -153,9 +155,9 @@ class Picture:
         )
         self.trail = LineCollection([], colors=RED, linewidths=1.2, zorder=4, alpha=0.8)
         for artist in (self.rods, self.trail):
-            self.row.add_collection(artist, autolim=False)
+            row.add_collection(artist, autolim=False)
         if film.scene.plate:
-            self.plate = self.row.axhspan(bottom - 1, 0, color=GREY, lw=0, zorder=2)
+            self.plate = row.axhspan(bottom - 1, 0, color=GREY, lw=0, zorder=2)
             self._lower(below / whole)
 
     def _lower(self, share: float) -> None:
@@ -184,8 +186,8 @@ class Picture:
         if i:
             moved = (film.x[i] - film.x[0]).mean()
             seconds = time / film.scene.frequency
-            words.append(f"drift {moved / seconds * film.scene.cm_per_s:+.1f} cm/s")
-            words.append(f"moved {moved:+.2f} d")
+            drift = moved / seconds * film.scene.cm_per_s
+            words += [f"drift {drift:+.1f} cm/s", f"moved {moved:+.2f} d"]
         self.words.set_text("    ".join(words))
         if film.scene.plate:
             self.plate.set_height(film.plate[i] - self.plate.get_y())
@@ -196,10 +198,11 @@ class Picture:
     def _path(self, i: int) -> list[np.ndarray]:
         """Path of the centre of the marked rod, cut where the box ends."""
         x, z = self.film.x[: i + 1, self.marked], self.film.z[: i + 1, self.marked]
-        if self.film.length is None:
+        length = self.film.length
+        if length is None:
             return [np.stack([x, z], -1)]
-        cuts = np.flatnonzero(np.diff(x // self.film.length)) + 1
-        return np.split(np.stack([x % self.film.length, z], -1), cuts)
+        cuts = np.flatnonzero(np.diff(x // length)) + 1
+        return np.split(np.stack([x % length, z], -1), cuts)
 
     def shot(self, picture: int) -> Image.Image:
         """Picture number `picture`, in all its colours."""

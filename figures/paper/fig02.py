@@ -9,8 +9,6 @@ the experiment's annulus, where the number of rods sets the tilt; arrows in (d):
 weighted by the speed of approach, up where positive. The row has no walls and no curvature.
 """
 
-from functools import partial
-
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import TwoSlopeNorm
@@ -20,12 +18,14 @@ from impact import drift, spherocylinder
 from md.sweep import Sweep
 
 from ..claims.over_tilt import CLEAR
+from ..lib.bounces import bounced, estimates
 from ..lib.runs import (
     ANNULUS,
     FRICTION,
     LAW_NAME,
     LENGTH,
     SETTING,
+    Sweeps,
     boxes,
     computed,
     drift_and_tilt,
@@ -45,7 +45,6 @@ from ..lib.style import (
     legend_above,
     name_panels,
     note,
-    points,
     shades,
     style,
     zero_line,
@@ -67,11 +66,11 @@ AT_TOUCH = "touches.plate_velocity_by_speed.mean"
 
 def classify(mean: np.ndarray, error: np.ndarray) -> np.ndarray:
     """Direction of drifts [cm/s] with standard errors: 1 forward, -1 reverse, 0 none."""
-    clear = (np.abs(mean) > CLEAR * error) & (np.abs(mean) > FLOOR_CM_S)
+    clear = np.abs(mean) > np.maximum(CLEAR * error, FLOOR_CM_S)
     return np.where(clear, np.sign(mean), 0).astype(int)
 
 
-def sweeps(quick: bool = False) -> dict[str, Sweep]:
+def sweeps(quick: bool = False) -> Sweeps:
     """Sweeps of rows over Gamma and tilt, of annuli over Gamma and the number of rods."""
     gamma, (of_rows, of_annuli) = {"plate.acceleration": [*MAP_GAMMAS[quick]]}, MAP_PERIODS[quick]
     rows = [gamma, {"box.length": boxes(NOMINAL_DEG[quick])}, starts(3)]
@@ -82,28 +81,6 @@ def sweeps(quick: bool = False) -> dict[str, Sweep]:
     }
 
 
-def _lone(gamma: np.ndarray, tilt: np.ndarray, quick: bool) -> tuple[np.ndarray, np.ndarray]:
-    """Drift [V_0] and alpha of one rigid rod, (gamma, tilt)."""
-    from impact.bouncing import bounce  # compiles
-
-    rods, landings, transient = (20, 60, 100) if quick else (60, 300, 150)
-
-    @partial(np.vectorize, otypes=[float, float])
-    def run(gamma, tilt):
-        found = bounce(
-            spherocylinder(tilt, LENGTH),
-            gamma=gamma,
-            **SETTING,
-            landings=landings,
-            rods=rods,
-            transient=transient,
-            shortest_flight=0.01,
-        )
-        return found.drift.mean, found.alpha_impulse.mean
-
-    return run(gamma[:, None], tilt)
-
-
 def data(quick: bool = False) -> Data:
     """Drifts [cm/s] on the grid (Gamma, tilt), those of one rigid rod, and the closure's lines.
 
@@ -111,46 +88,59 @@ def data(quick: bool = False) -> Data:
     """
     fine_gamma = np.linspace(1.02, 4, 12 if quick else 40)
     fine_deg = np.linspace(2, 65, 10 if quick else 22)
-    plan, nominal, chosen = sweeps(quick), np.array(NOMINAL_DEG[quick]), CHOSEN[quick]
+    plan, nominal = sweeps(quick), np.array(NOMINAL_DEG[quick])
+    chosen = np.array(CHOSEN[quick])
     # a row and an annulus first: their kernels are compiled side by side
     computed(Sweep((), (plan["annulus"].points[0], *plan["grid"].points)))
     found = {}
     for name, prefix in (("grid", ""), ("annulus", "ring_")):
         found |= drift_and_tilt(plan[name], prefix) | means(plan[name], {f"{prefix}V_z": AT_TOUCH})
         found[f"{prefix}kind"] = classify(found[f"{prefix}c_x"], found[f"{prefix}c_x_error"])
-    lone_c_x, lone_alpha = _lone(fine_gamma, np.radians(fine_deg), quick)
+    rods, landings, transient = (20, 60, 100) if quick else (60, 300, 150)
+    lone = bounced(
+        np.radians(fine_deg),
+        fine_gamma[:, None],
+        LENGTH,
+        landings=landings,
+        rods=rods,
+        transient=transient,
+        shortest_flight=0.01,
+        **SETTING,
+    )
     speed = plate_speed_cm_s(fine_gamma)
-    rods = spherocylinder(np.radians(nominal[[*chosen]]), LENGTH)
+    tilted = spherocylinder(np.radians(nominal[chosen]), LENGTH)
     return {
         "gamma": np.array(MAP_GAMMAS[quick]),
         "nominal_deg": nominal,
         **found,
         "ring_count": np.array(MAP_COUNTS[quick]),
-        "chosen": np.array(chosen),
+        "chosen": chosen,
         "fine_gamma": fine_gamma,
         "fine_deg": fine_deg,
-        "lone_c_x": speed[:, None] * lone_c_x,
-        "lone_alpha": lone_alpha,
-        "closure": drift(rods, **SETTING).c_x[:, None] * speed / 2,
+        "lone_c_x": speed[:, None] * estimates(lone, "drift")[0],
+        "lone_alpha": estimates(lone, "alpha_impulse")[0],
+        "closure": drift(tilted, **SETTING).c_x[:, None] * speed / 2,
     }
 
 
-def _map(ax, gamma: np.ndarray, tilt: np.ndarray, kind: np.ndarray):
+def _map(ax, d, tilt: str, kind: str):
     """Draw symbols where there is drift forward, none, or reverse."""
-    gamma = np.broadcast_to(gamma[:, None], kind.shape)
-    looks = {"forward": (1, FORWARD, "o"), "none": (0, "white", "o"), "reverse": (-1, REVERSE, "v")}
-    for label, (which, face, marker) in looks.items():
-        here = kind == which
-        ax.plot(gamma[here], tilt[here], marker, mfc=face, mec=BLACK, mew=0.6, ms=4.5, label=label)
+    gamma, tilt_deg = np.broadcast_arrays(d["gamma"][:, None], d[tilt])
+    looks = ("forward", 1, FORWARD, "o"), ("none", 0, "white", "o"), ("reverse", -1, REVERSE, "v")
+    for label, which, face, marker in looks:
+        here = d[kind] == which
+        ax.plot(
+            gamma[here], tilt_deg[here], marker, mfc=face, mec=BLACK, mew=0.6, ms=4.5, label=label
+        )
     ax.set(ylabel=r"tilt $\phi$ (deg)", ylim=(0, 66), xlim=(0.95, 4.1))
 
 
-def _near_onset(ax, d, prefix: str, looks: dict[int, tuple[str, str]]):
+def _near_onset(ax, d, prefix: str, looks: dict):
     """Draw drifts below the onset, linear and logarithmic; `looks`: colour and name by column."""
     early = d["gamma"] <= ONSET
-    for i, (colour, label) in looks.items():
-        drifts = (d[f"{prefix}c_x{kind}"][early, i] for kind in ("", "_error"))
-        points(ax, d["gamma"][early], *drifts, colour, label=label)
+    d = {**d, "gamma": d["gamma"][early]}
+    for i, look in looks.items():
+        curve(ax, d, "gamma", f"{prefix}c_x", *look, at=(early, i))
     ax.set_yscale("symlog", linthresh=FLOOR_CM_S)
     ax.axhspan(-FLOOR_CM_S, FLOOR_CM_S, color="0.88", lw=0)
     ax.text(1.63, FLOOR_CM_S / 2, "counts as none", va="center", ha="right")
@@ -160,29 +150,28 @@ def _near_onset(ax, d, prefix: str, looks: dict[int, tuple[str, str]]):
 
 def _rows(axes, d):
     a, b, c = axes
-    top = np.nanmax(np.abs(d["lone_c_x"]))
+    gamma, top = d["fine_gamma"], np.nanmax(np.abs(d["lone_c_x"]))
     mesh = a.pcolormesh(
-        d["fine_gamma"],
+        gamma,
         d["fine_deg"],
         d["lone_c_x"].T,
         cmap=DRIFTS,
         norm=TwoSlopeNorm(0, -top / 4, top),
         alpha=0.55,
-        shading="nearest",
         rasterized=True,
     )
     bar = a.figure.colorbar(mesh, ax=a, label="one rigid rod (cm/s)", pad=0.02)
     ends = MaxNLocator(2).tick_values(-top / 4, 0), MaxNLocator(4).tick_values(0, top)
     bar.set_ticks([tick for tick in np.unique(np.concatenate(ends)) if -top / 4 <= tick <= top])
     alpha = np.nan_to_num(d["lone_alpha"].T, nan=-1.0)
-    a.contour(d["fine_gamma"], d["fine_deg"], alpha, [0.0], colors=BLACK, linestyles="--")
+    a.contour(gamma, d["fine_deg"], alpha, [0.0], colors=BLACK, linestyles="--")
     a.plot([], [], "--", color=BLACK, label="$V_z=0$, one rigid rod")
-    _map(a, d["gamma"], np.broadcast_to(d["nominal_deg"], d["kind"].shape), d["kind"])
+    _map(a, d, "nominal_deg", "kind")
     tilts = [rf"$\phi={tilt:.0f}$°" for tilt in d["nominal_deg"]]
     looks = [*zip(shades(len(tilts)), tilts, strict=True)]
     for i, line in zip(d["chosen"], d["closure"], strict=True):
         curve(b, d, "gamma", "c_x", *looks[i], at=(..., i))
-        b.plot(d["fine_gamma"], line, color=looks[i][0], lw=0.8, ls="--")
+        b.plot(gamma, line, color=looks[i][0], lw=0.8, ls="--")
     b.plot([], [], "--", color="0.4", lw=0.8, label="theory")
     top = max(np.nanmax(d["c_x"]), 1)
     b.set(xlim=(1, None), ylim=(-0.45 * top, 1.15 * top))
@@ -193,9 +182,8 @@ def _rows(axes, d):
 def _annuli(axes, d):
     a, b, c = axes
     size = ARROW_DEG * np.clip(d["ring_V_z"], -1, 1)
-    gamma = np.broadcast_to(d["gamma"][:, None], size.shape)
     arrows = a.quiver(
-        gamma,
+        np.broadcast_to(d["gamma"][:, None], size.shape),
         d["ring_tilt"],
         0 * size,
         size,
@@ -205,10 +193,8 @@ def _annuli(axes, d):
         color="0.3",
         width=0.012,
     )
-    a.quiverkey(
-        arrows, 0.6, 1.09, ARROW_DEG / 2, "$V_z=V_0/2$", angle=90, labelpos="E", coordinates="axes"
-    )
-    _map(a, d["gamma"], d["ring_tilt"], d["ring_kind"])
+    a.quiverkey(arrows, 0.6, 1.09, ARROW_DEG / 2, "$V_z=V_0/2$", angle=90, labelpos="E")
+    _map(a, d, "ring_tilt", "ring_kind")
     names = [rf"$N={n}$" for n in d["ring_count"]]
     looks = dict(enumerate(zip(shades(len(names))[::-1], names, strict=True)))
     for i, look in looks.items():
@@ -223,10 +209,9 @@ def draw(d: Data) -> plt.Figure:
     figure, axes = plt.subplots(2, 3, figsize=(7.0, 5.8), width_ratios=(1.35, 1, 1))
     _rows(axes[0], d)
     _annuli(axes[1], d)
-    axes[0, 0].plot([], [], **DOTTED, label="the paper's rods begin to move")
     clear = {axes[0, 1]: (0.25, 1), axes[1, 1]: (0, 0.74)}  # of the legends
     for ax in axes.flat:
-        ax.axvline(ONSET, *clear.get(ax, (0, 1)), **DOTTED)
+        ax.axvline(ONSET, *clear.get(ax, (0, 1)), **DOTTED, label="the paper's rods begin to move")
         ax.set_xlabel(r"acceleration $\Gamma$")
     legend_above(figure, axes[0, 0], ncols=3)
     for ax in axes[:, 1:].flat:

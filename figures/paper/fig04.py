@@ -28,6 +28,7 @@ from ..lib.runs import (
     ROW,
     SIMPLE_ANNULUS,
     SIMPLE_ROW,
+    Sweeps,
     annulus_of,
     boxes,
     drift_and_tilt,
@@ -77,7 +78,7 @@ def over_count(
     counts: Sequence[int],
     seeds: int,
     periods: int,
-    base: Mapping[str, Any] = ANNULUS,
+    base: Mapping[str, Any],
     changes: Mapping[str, Any] | None = None,
 ) -> Sweep:
     """Sweep of annuli over the number of rods, which sets the tilt, and starts."""
@@ -85,9 +86,7 @@ def over_count(
     return planned(axes, periods, changes, base, measure=followed)
 
 
-def sweeps(
-    quick: bool = False, assumed: bool = False, scene: str | None = None
-) -> dict[str, Sweep]:
+def sweeps(quick: bool = False, assumed: bool = False, scene: str | None = None) -> Sweeps:
     """Sweeps of annuli over the number of rods, Gamma and the frictions; of rows over tilt.
 
     Parameters
@@ -96,39 +95,38 @@ def sweeps(
     assumed : under the simple law, with few starts, and without what no claim needs
     scene : an annulus of one's own; then without rows and without the narrower gap
     """
-    size: dict[str, Any] = {name: both[quick] for name, both in SIZES.items()}
+    size = {name: both[quick] for name, both in SIZES.items()}
     of = annulus_of(scene)
-    for name in ("count", "rolling", "rest"):
-        size[name] = of.counts(size[name])
-    plain = put(of.tables, {"rods.rolling": False, "annulus.shaken": True})
-    base, row = (SIMPLE_ANNULUS, SIMPLE_ROW) if assumed else (plain, ROW)
+    base, row = put(of.tables, {"rods.rolling": False, "annulus.shaken": True}), ROW
+    if assumed:
+        base, row = SIMPLE_ANNULUS, SIMPLE_ROW
     few, periods = starts(FEW), size["periods"]
     seeds = FEW if assumed else size["starts"]
     gamma, gamma_periods = {"plate.acceleration": size["gamma"]}, size["gamma_periods"]
     many = {"rods.count": of.counts([ANNULUS_COUNT])[0]}
 
     def around(*axes: dict[str, list], periods: int = periods, **changes: object) -> Sweep:
-        return planned([*axes], periods, changes, base)
+        return planned([*axes, few], periods, changes, base)
 
     of_rods = {
         f"rods.{name}": ANNULUS["rods"][name] for name in ("length", "inertia", "diameter_cm")
     }
     found = {
-        "still": over_count(size["count"], seeds, periods, base),
-        "rolling": around({"rods.count": size["rolling"]}, few, **{"rods.rolling": True}),
-        "gamma": around(gamma, {"rods.count": of.counts(GAMMA_COUNTS)}, few, periods=gamma_periods),
-        "wall": around({WALL_KEY: size["wall"]}, few, **many),
+        "still": over_count(of.counts(size["count"]), seeds, periods, base),
+        "rolling": around({"rods.count": of.counts(size["rolling"])}, **{"rods.rolling": True}),
+        "gamma": around(gamma, {"rods.count": of.counts(GAMMA_COUNTS)}, periods=gamma_periods),
+        "wall": around({WALL_KEY: size["wall"]}, **many),
         "plane": planned([{"box.length": boxes(size["plane"])}, few], periods, of_rods, row),
     }
     if assumed:
         return found
     found |= {
-        "rest": over_count(size["rest"], FEW, periods, base, AT_REST),
-        "rest_gamma": around(gamma, few, periods=gamma_periods, **many, **AT_REST),
-        "plate": around({PLATE_KEY: size["plate"]}, few, **many),
+        "rest": over_count(of.counts(size["rest"]), FEW, periods, base, AT_REST),
+        "rest_gamma": around(gamma, periods=gamma_periods, **many, **AT_REST),
+        "plate": around({PLATE_KEY: size["plate"]}, **many),
     }
     if scene is None:
-        found["narrow"] = over_count(size["narrow"], FEW, periods, changes=NARROW)
+        found["narrow"] = over_count(size["narrow"], FEW, periods, base, NARROW)
     else:
         del found["plane"]
     return found
@@ -158,8 +156,8 @@ def _over_tilt(ax, d):
     if "plane_c_x" in d:
         plane = "plane_tilt", "plane_c_x", SKY, f"row / {REDUCTION}"
         curve(ax, d, *plane, form="s--", scale=1 / REDUCTION, both=True)
-        narrow = "narrow_tilt", "narrow_c_x", PURPLE, "gap for 53° at most"
-        curve(ax, d, *narrow, form="^:", both=True)
+        words = "gap for 53° at most"
+        curve(ax, d, "narrow_tilt", "narrow_c_x", PURPLE, words, form="^:", both=True)
         for tilt in MAXIMA_DEG:
             ax.axvline(tilt, 0, 0.6, color="0.5", lw=0.8, ls=":")  # up to the legend
     tilt_axis(ax, 0, 60)
@@ -197,10 +195,11 @@ def draw(d: Data) -> plt.Figure:
     _over_friction(c, d, "wall")
     _over_friction(e, d, "plate")
     c.set(xlabel=r"friction of the walls $\mu_{rw}$", ylim=(0, None))
-    smallest = d["plate"][d["plate"] > 0].min()
+    plate = d["plate"]
+    smallest = plate[plate > 0].min()
     e.set_xscale("symlog", linthresh=smallest, linscale=0.4)
-    e.set(xlabel=r"friction of the plate $\mu_{rb}$ (0 at the left end)")
-    e.set_xlim(-smallest / 4, 1.2 * d["plate"].max())
+    e.set_xlabel(r"friction of the plate $\mu_{rb}$ (0 at the left end)")
+    e.set_xlim(-smallest / 4, 1.2 * plate.max())
     for ax in axes.flat:
         zero_line(ax)
         ax.set_ylabel(r"drift $c_x$ (cm/s)")
@@ -225,9 +224,14 @@ def shape(tilt: np.ndarray, c_x: np.ndarray) -> dict[str, float]:
     tilt, c_x = tilt[order], c_x[order]
     late = tilt > np.mean(MAXIMA_DEG)
     i, j = (np.argmax(np.where(side, c_x, -np.inf)) for side in (~late, late))
-    lowest, smaller = c_x[i : j + 1].min(), min(c_x[i], c_x[j])
     small = tilt <= MAXIMA_DEG[0]
     line = tilt[small], c_x[small]
     bent, slope = (bend(*line), np.polyfit(*line, 1)[0]) if small.sum() > 2 else (np.nan, np.nan)
-    found = {"early": tilt[i], "late": tilt[j], "dip": 1 - lowest / smaller}
-    return found | {"bend": bent, "slope": slope, "end": c_x[-1] / c_x.max()}
+    return {
+        "early": tilt[i],
+        "late": tilt[j],
+        "dip": 1 - c_x[i : j + 1].min() / min(c_x[i], c_x[j]),
+        "bend": bent,
+        "slope": slope,
+        "end": c_x[-1] / c_x.max(),
+    }

@@ -13,10 +13,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import LineCollection
 
-from md.sweep import Sweep
-
 from ..lib.arrangement import EVERY, MEASURED, MORE_DEG, in_order, tilts_deg
-from ..lib.runs import annulus_of, gathered, over_seeds, with_error
+from ..lib.runs import Sweeps, annulus_of, gathered, over_seeds, with_error
 from ..lib.style import (
     ANOTHER,
     BLACK,
@@ -32,10 +30,9 @@ from ..lib.style import (
 from . import fig04
 
 SHOWN_COUNTS = (56, 44)  # numbers of rods of (a) and (b)
-TILT_COLOURS = plt.get_cmap("viridis_r")  # of tilts
 
 
-def sweeps(quick: bool = False) -> dict[str, Sweep]:
+def sweeps(quick: bool = False) -> Sweeps:
     """Arrangements over the number of rods: runs of Fig. 4(a)."""
     return {"annulus": fig04.sweeps(quick)["still"]}
 
@@ -70,9 +67,9 @@ def _from_above(ax, d, rods: np.ndarray, norm: plt.Normalize) -> LineCollection:
     for radius in d["radii"]:
         ax.add_patch(plt.Circle((0, 0), radius, fill=False, color="0.5", lw=0.7))
     up = np.sign(rods[:, 5:6]) * d["half"] * rods[:, 3:5]
-    ends = np.stack([rods[:, :2] - up, rods[:, :2] + up], axis=1)
-    tilt = tilts_deg(rods)
-    look = {"cmap": TILT_COLOURS, "norm": norm}
+    centre, tilt = rods[:, :2], tilts_deg(rods)
+    ends = np.stack([centre - up, centre + up], axis=1)
+    look = {"cmap": "viridis_r", "norm": norm}
     lines = ax.add_collection(LineCollection(ends, array=tilt, lw=1.6, **look))
     ax.scatter(*ends[:, 1].T, c=tilt, s=7, lw=0, **look)
     edge = 1.04 * d["radii"].max()
@@ -90,7 +87,8 @@ def draw(d: Data) -> plt.Figure:
     tilts = [tilts_deg(in_order(rods)) for rods in states]
     largest = max(tilt.max() for tilt in tilts)
     norm = plt.Normalize(0, np.ceil(largest / 5) * 5)
-    lines, _ = (_from_above(ax, d, rods, norm) for ax, rods in zip((a, b), states, strict=True))
+    for ax, rods in zip((a, b), states, strict=True):
+        lines = _from_above(ax, d, rods, norm)
     figure.colorbar(lines, ax=[a, b], label=r"tilt $\phi$ (deg)", pad=0.02, aspect=30)
     beside, share = c.twinx(), f"share {MORE_DEG:g}° beyond the mean"
     curve(c, d, "mean", "zigzag", BLACK, "order of the zig-zag", both=True)
@@ -101,16 +99,15 @@ def draw(d: Data) -> plt.Figure:
     beside.set_ylim(*np.array([-0.1, 1.7]) * 1.2 * d["contrast"].max())
     beside.set_ylabel("contrast (deg)", color=ANOTHER)
     beside.tick_params(colors=ANOTHER)
-    handles = [part for ax in (c, beside) for part in ax.get_legend_handles_labels()[0]]
-    c.legend(handles=handles, loc="upper right")
+    c.legend(handles=c.containers + beside.containers, loc="upper right")
+    titles = []
     for n, tilt, colour in zip(counts, tilts, shades(2)[::-1], strict=True):
+        titles.append(rf"$N={n}$, mean tilt {tilt.mean():.0f}°")
         e.plot(np.arange(n) / n, tilt, "o-", ms=2.5, lw=0.6, color=colour, label=rf"$N={n}$")
         e.axhline(tilt.mean(), color=colour, lw=0.6, ls=":")
     e.set(xlabel="place around the annulus", ylabel=r"tilt $\phi$ (deg)", xlim=(0, 1))
     e.set_ylim(0, 1.3 * largest)
     e.legend(loc="upper right", ncols=2)
-    shown = zip(counts, tilts, strict=True)
-    titles = (rf"$N={n}$, mean tilt {tilt.mean():.0f}°" for n, tilt in shown)
     name_panels((a, b, c, e), (*titles, "", ""))
     note(figure, d["words"])
     return figure

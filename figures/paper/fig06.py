@@ -13,7 +13,6 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from impact import drift
-from md import Scene
 
 from ..claims.over_tilt import OF_BOTH_SIDES
 from ..lib.runs import means, row_of, tilt_plan, tilt_sweeps
@@ -46,24 +45,18 @@ def data(quick: bool = False, scene: str | None = None) -> Data:
     """Means over touches and over landings; cm/s and rad/s, the plate's velocity in V_0."""
     row = row_of(scene)
     found = means(tilt_plan(quick, scene=scene), VELOCITY_MEANS)
-    found |= _in_cm(found, row.scene)
-    fine, speed = np.radians(np.linspace(1, 89, 177)), row.scene.plate_speed * row.scene.cm_per_s
-    line = drift(row.rod(fine), **row.setting, plate_velocity=speed / 2)
+    cm_per_s, plate = row.scene.cm_per_s, row.scene.plate
+    second = plate.frequency_hz / row.scene.frequency  # in sqrt(d/g)
+    for part, unit in {"c_x": cm_per_s, "c_z": cm_per_s, "omega": second}.items():
+        found |= {name: found[name] * unit for name in found if part in name}
+    fine, half = np.radians(np.linspace(1, 89, 177)), row.scene.plate_speed * cm_per_s / 2
+    line = drift(row.rod(fine), **row.setting, plate_velocity=half)
     return {
         **found,
         "fine_deg": np.degrees(fine),
         "line_c_x": line.c_x,
         "line_c_z": line.c_z,
         "words": row.words,
-    }
-
-
-def _in_cm(found: Data, scene: Scene) -> Data:
-    """Means of velocities converted to cm/s, of spins to rad/s."""
-    second = scene.plate.frequency_hz / scene.frequency  # in sqrt(d/g)
-    units = {"c_x": scene.cm_per_s, "c_z": scene.cm_per_s, "omega": second}
-    return {
-        name: found[name] * unit for name in found for part, unit in units.items() if part in name
     }
 
 

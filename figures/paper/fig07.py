@@ -44,14 +44,14 @@ sweeps = tilt_sweeps
 def data(quick: bool = False, scene: str | None = None) -> Data:
     """Heights [cm] over time [periods]; flights [periods] over tilt."""
     row, heights = row_of(scene), []
-    count, d_cm = row.scene.rods.count, row.scene.rods.diameter_cm
-    drawn = [int(part * count) for part in RODS_DRAWN]
-    for length in boxes(TIP_TILTS_DEG, count):
+    rods = row.scene.rods
+    drawn = [int(part * rods.count) for part in RODS_DRAWN]
+    for length in boxes(TIP_TILTS_DEG, rods.count):
         tilted = from_tables(put(row.tables, {"box.length": length, "start.seed": 1}))
         film = movie.record(tilted, TRANSIENT + SHOWN_PERIODS, FRAMES)
         late = film.time >= TRANSIENT
-        heights.append(d_cm * film.tips[late][:, drawn])
-        time, plate = film.time[late] - TRANSIENT, d_cm * film.plate[late]
+        heights.append(rods.diameter_cm * film.tips[late][:, drawn])
+        time, plate = film.time[late] - TRANSIENT, rods.diameter_cm * film.plate[late]
     lone_deg, bounces = lone(quick, scene)
     return {
         "time": time,
@@ -68,15 +68,23 @@ def data(quick: bool = False, scene: str | None = None) -> Data:
 def draw(d: Data) -> plt.Figure:
     figure, axes = plt.subplot_mosaic("ac;bc", figsize=(7.0, 4.6), width_ratios=(1.5, 1))
     a, b, c = (axes[letter] for letter in "abc")
-    low, dashes = d["plate"].min(), ("-", (0, (6, 6)), (0, (2, 4)))  # rods on one line: all show
-    for i, ax in enumerate((a, b)):
-        ax.fill_between(d["time"], low - 0.05, d["plate"], color="0.8", lw=0)
-        ax.plot(d["time"], d["plate"], color="0.45", lw=0.8)
-        for tip, colour, dash in zip(d["tips"][i].T, shades(3), dashes, strict=True):
-            ax.plot(d["time"], tip, color=colour, ls=dash)
-        high = 1.1 * d["tips"][i].max()
-        ax.set(xlim=(0, SHOWN_PERIODS), ylim=(low - 0.03, high), ylabel="height (cm)")
-        ax.set_xlabel("time (periods of the plate)")
+    time, plate = d["time"], d["plate"]
+    low, dashes = plate.min(), ("-", (0, (6, 6)), (0, (2, 4)))  # rods on one line: all show
+    titles = []
+    for ax, tips, tilt in zip((a, b), d["tips"], TIP_TILTS_DEG, strict=True):
+        ax.fill_between(time, low - 0.05, plate, color="0.8", lw=0)
+        ax.plot(time, plate, color="0.45", lw=0.8)
+        for tip, colour, dash in zip(tips.T, shades(3), dashes, strict=True):
+            ax.plot(time, tip, color=colour, ls=dash)
+        ax.set(
+            xlabel="time (periods of the plate)",
+            xlim=(0, SHOWN_PERIODS),
+            ylabel="height (cm)",
+            ylim=(low - 0.03, 1.1 * tips.max()),
+        )
+        apart = np.ptp(tips, axis=1).max() > 0.1 * np.ptp(tips)
+        words = "" if apart else ", one on another"
+        titles.append(rf"$\phi={tilt}$°, three rods{words}")
     c.plot(d["lone_deg"], d["lone_flight"], color=RIGID, lw=0.8, label="one rigid rod")
     curve(c, d, "tilt_deg", "flight", BLACK, "touch to touch")
     left_out = "hops < 0.2 periods left out"
@@ -87,9 +95,6 @@ def draw(d: Data) -> plt.Figure:
     top = 1.5 * max(d["lone_flight"].max(), np.nanmax(d["landing_flight"]))
     c.set(ylabel="mean flight (periods)", ylim=(0, top))
     c.legend(loc="upper right")
-    apart = np.ptp(d["tips"], axis=2).max(axis=1) > 0.1 * np.ptp(d["tips"], axis=(1, 2))
-    rods = np.where(apart, "three rods", "three rods, one on another")
-    tilted = (rf"$\phi={tilt}$°, {words}" for tilt, words in zip(TIP_TILTS_DEG, rods, strict=True))
-    name_panels((a, b, c), (*tilted, "length of flights"))
+    name_panels((a, b, c), (*titles, "length of flights"))
     note(figure, d["words"])
     return figure

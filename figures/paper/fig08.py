@@ -49,13 +49,12 @@ def data(quick: bool = False, scene: str | None = None) -> Data:
     sweep = tilt_plan(quick, scene=scene)
     (counts,) = gathered(sweep, "phases")  # (tilts, seeds, 64)
     shown = np.searchsorted(tilts(quick), SHOWN_DEG)
-    density = np.moveaxis(densities(counts[shown]), 1, -1)
     lone_deg, bounces = lone(quick, scene)
     return {
         "words": row_of(scene).words,
         "shown_deg": np.array(SHOWN_DEG),
         "phase": 2 * np.pi * (np.arange(BINS_DRAWN) + 0.5) / BINS_DRAWN,
-        **with_error("density", *over_seeds(density)),
+        **with_error("density", *over_seeds(np.moveaxis(densities(counts[shown]), 1, -1))),
         **with_error("falling", *over_seeds(falling(counts))),
         **means(sweep, {"tilt_deg": "tilt_deg", "landing_falling": "landings.falling.mean"}),
         "lone_deg": lone_deg,
@@ -66,16 +65,21 @@ def data(quick: bool = False, scene: str | None = None) -> Data:
 @style
 def draw(d: Data) -> plt.Figure:
     figure, axes = plt.subplots(2, 3, figsize=(7.0, 4.8))
-    degrees, top = np.degrees(d["phase"]), 1.12 * (d["density"] + d["density_error"]).max()
-    edges, fine = np.linspace(0, 360, BINS_DRAWN + 1), np.linspace(0, 360, 361)
+    fine, top = np.linspace(0, 360, 361), 1.12 * (d["density"] + d["density_error"]).max()
     *panels, last = axes.flat
     for ax, density, error in zip(panels, d["density"], d["density_error"], strict=True):
         ax.axvspan(90, 270, color="0.93", lw=0)
-        ax.stairs(density, edges, color=BLACK, lw=0.9)
-        ax.errorbar(degrees, density, error, fmt="none", ecolor=BLACK, elinewidth=0.6)
+        ax.stairs(density, np.linspace(0, 360, BINS_DRAWN + 1), color=BLACK, lw=0.9)
+        ax.errorbar(
+            np.degrees(d["phase"]), density, error, fmt="none", ecolor=BLACK, elinewidth=0.6
+        )
         ax.plot(fine, landing_density(np.radians(fine)), color=THEORY, label=r"$H(\theta)$")
-        ax.set(xlim=(0, 360), ylim=(0, top), xticks=range(0, 361, 90))
-        ax.set(xlabel=r"phase $\theta$ (deg)")
+        ax.set(
+            xlabel=r"phase $\theta$ (deg)",
+            xlim=(0, 360),
+            xticks=range(0, 361, 90),
+            ylim=(0, top),
+        )
     for ax in axes[:, 0]:
         ax.set_ylabel("density of landings (1/rad)")
     panels[0].text(180, 0.95 * top, "plate falls", ha="center", va="top", color="0.3")

@@ -34,20 +34,13 @@ def data(quick: bool = False, friction: float | None = None, restitution: float 
     n, points = (46, 200) if quick else (361, 1000)
     ratio = np.array(APPROACH_RATIOS)[:, None]
     tilt, over = np.linspace(0, np.pi / 2, n), np.linspace(0, 1, n)
-    regime = classify(
-        1.0,
-        -ratio[:, None],
-        geometry=thin_rod(tilt),
-        friction=over[:, None],
-        restitution=restitution,
-    )
     setting = {"approach_ratio": ratio, "restitution": restitution}
     line = np.linspace(0, np.pi / 2, points)
     # both roots as one line, from (0, 0) over the end of slip reversal to (90 degrees, 0)
     rising = 0.75 * np.sin(line)
     lower, upper = critical_tilts(rising)
-    critical_tilt = np.concatenate([lower, upper[::-1]])
-    critical_friction = np.concatenate([rising, rising[::-1]])
+    critical_tilt = np.append(lower, upper[::-1])
+    critical_friction = np.append(rising, rising[::-1])
     stops = critical_friction >= slide_friction(thin_rod(critical_tilt), **setting)
     return {
         "approach_ratio": ratio.ravel(),
@@ -55,7 +48,13 @@ def data(quick: bool = False, friction: float | None = None, restitution: float 
         "tilt": tilt,
         "friction": over,
         **({} if friction is None else {"marked": friction}),
-        "regime": regime,
+        "regime": classify(
+            1.0,
+            -ratio[:, None],
+            geometry=thin_rod(tilt),
+            friction=over[:, None],
+            restitution=restitution,
+        ),
         "slide_tilt": line,
         "slide_friction": slide_friction(thin_rod(line), **setting),
         "critical_tilt": np.where(stops, critical_tilt, np.nan),
@@ -67,15 +66,15 @@ def data(quick: bool = False, friction: float | None = None, restitution: float 
 @style
 def draw(d: Data) -> plt.Figure:
     figure, axes = plt.subplots(1, 3, figsize=(7.0, 3.2), sharey=True)
-    tilt_deg = np.degrees(d["tilt"])
-    end_deg, end_friction = np.degrees(d["reversal_end"][0]), d["reversal_end"][1]
+    end, end_friction = d["reversal_end"]
+    end_deg = np.degrees(end)
     for i, ax in enumerate(axes):
-        mesh = ax.pcolormesh(tilt_deg, d["friction"], d["regime"][i], **REGIME_LOOK)
-        slide_deg = np.degrees(d["slide_tilt"])
-        ax.plot(slide_deg, d["slide_friction"][i], "k-", label=r"$u_*=0$, Eq. (14)")
+        mesh = ax.pcolormesh(np.degrees(d["tilt"]), d["friction"], d["regime"][i], **REGIME_LOOK)
+        slide_deg, slide = np.degrees(d["slide_tilt"]), d["slide_friction"][i]
+        ax.plot(slide_deg, slide, "k-", label=r"$u_*=0$, Eq. (14)")
         critical_deg = np.degrees(d["critical_tilt"][i])
         ax.plot(critical_deg, d["critical_friction"], "k--", label="both roots of Eq. (23)")
-        if np.interp(end_deg, slide_deg, d["slide_friction"][i]) <= end_friction:
+        if np.interp(end_deg, slide_deg, slide) <= end_friction:
             ax.plot(end_deg, end_friction, "ko", label=r"$\mu=3/4$, $\phi=\arctan 2$")
         ax.plot(90, 0.6, "kx", ms=6, clip_on=False, label=r"as printed: 3/5 at 90°")
         if "marked" in d:
@@ -83,7 +82,7 @@ def draw(d: Data) -> plt.Figure:
         tilt_axis(ax)
         ax.set(ylim=(0, 1))
     name_panels(axes, [rf"$-c_z/c_x={ratio:g}$" for ratio in d["approach_ratio"]])
-    axes[0].set(ylabel=r"friction $\mu$")
+    axes[0].set_ylabel(r"friction $\mu$")
     legend_above(figure, axes[2], ncols=5)
     restitution = rf"restitution $\epsilon={d['restitution']:g}$"
     note(figure, rf"thin rod, {restitution}, no spin before the impact ($\omega=0$)")

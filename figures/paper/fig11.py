@@ -33,10 +33,9 @@ def data(quick: bool = False, friction: float = 0.3, restitution: float = 0.65) 
     """True drift and both branches over the whole range of tilt [rad], in units of V_z."""
     critical = np.array(critical_tilts(friction))
     grid = np.linspace(0, np.pi / 2, 91 if quick else 1801)
-    tilt = np.sort(np.concatenate([grid, critical[np.isfinite(critical)]]))
+    tilt = np.sort(np.append(grid, critical[np.isfinite(critical)]))
     rod = thin_rod(tilt)
     moves = drift(rod, friction=friction, restitution=restitution)
-    sticking = drift(rod, friction=np.inf, restitution=restitution)
     # `drift` never leaves the branch that holds; this one is followed beyond its range.
     with np.errstate(all="ignore"):  # without losses, upright; beyond all friction
         reversing = function("29")(phi=tilt, mu=friction, epsilon=restitution, V_z=1.0)
@@ -47,7 +46,7 @@ def data(quick: bool = False, friction: float = 0.3, restitution: float = 0.65) 
         "c_x": moves.c_x,
         "c_z": moves.c_z,
         "regime": moves.regime,
-        "stick_c_x": sticking.c_x,
+        "stick_c_x": drift(rod, friction=np.inf, restitution=restitution).c_x,
         "reversal_c_x": reversing,
         "critical_tilt": critical,
     }
@@ -58,15 +57,15 @@ def _curves(ax, d):
     drifts = np.isfinite(d["c_x"]).any()  # without friction nothing says how fast
     ax.plot(tilt_deg, d["c_x"], color=SIMULATED, label=r"drift $c_x'$" if drifts else None)
     ax.plot(tilt_deg, d["c_z"], "-.", color=ANOTHER, label=r"rise $c_z'$")
-    branches = {
-        "stick": (Regime.SLIP_STICK, "slip-stick (26)"),
-        "reversal": (Regime.SLIP_REVERSAL, "slip reversal (29)"),
-    }
-    for (name, (regime, words)), colour in zip(branches.items(), REGIME_COLOURS[1:], strict=True):
+    branches = (
+        ("stick", Regime.SLIP_STICK, "slip-stick (26)"),
+        ("reversal", Regime.SLIP_REVERSAL, "slip reversal (29)"),
+    )
+    for name, regime, words in branches:
         c_x = d[f"{name}_c_x"]
         unphysical = np.isfinite(c_x) & (d["regime"] != regime)
         label = f"{words} where it does not hold" if unphysical.any() else None
-        ax.plot(tilt_deg, c_x, "--", color=colour, zorder=1.9, label=label)
+        ax.plot(tilt_deg, c_x, "--", color=REGIME_COLOURS[regime - 1], zorder=1.9, label=label)
     edges = critical_deg(d)
     label = f"roots of (23): {', '.join(f'{edge:.2f}°' for edge in edges)}"
     for edge in edges:
@@ -78,9 +77,9 @@ def critical_deg(d: Data) -> np.ndarray:
     return np.degrees(d["critical_tilt"][np.isfinite(d["critical_tilt"])])
 
 
-def _end(ax, d, upper: float):
+def _end(ax, d):
     """Inset: the contact sticks again beyond the upper critical tilt, half way to the end."""
-    tilt_deg = np.degrees(d["tilt"])
+    tilt_deg, upper = np.degrees(d["tilt"]), critical_deg(d)[-1]
     inset = ax.inset_axes((0.42, 0.42, 0.45, 0.5))
     _curves(inset, d)
     left, middle = 2 * upper - 90, (upper + 90) / 2
@@ -102,9 +101,10 @@ def draw(d: Data) -> plt.Figure:
     highest = min(np.nanmax([d["c_x"], d["c_z"]]), HIGHEST)
     ax.set(ylabel=r"velocity / $V_z$", ylim=(0, 1.35 * highest))
     if d["friction"] > 0 and critical_deg(d).size:
-        _end(ax, d, critical_deg(d)[-1])
+        _end(ax, d)
     legend_above(figure, ax, ncols=2)
     setting = rf"$\epsilon={d['restitution']:g}$, friction $\mu={d['friction']:g}$"
-    undetermined = "; without friction no drift is determined" * bool(d["friction"] == 0)
-    note(figure, f"thin rod, restitution {setting}{undetermined}")
+    if d["friction"] == 0:
+        setting += "; without friction no drift is determined"
+    note(figure, f"thin rod, restitution {setting}")
     return figure

@@ -59,18 +59,21 @@ def data(
     """Velocities over |c_z| and restitution; MD arrays are of shape (3 laws, tilts)."""
     scene = {"friction": friction, "rod": replace(ROD, length=length)}
     laws = md.coulomb(restitution), md.constant_restitution(restitution), md.appendix_a()
-    tilt = np.radians(np.linspace(0, 89, 90) if not quick else np.arange(0, 90, 5))
+    tilt = np.radians(np.arange(0, 90, 5 if quick else 1))
     edges = np.radians(np.linspace(0, 90, 181 if quick else 1801))
     line = (edges[1:] + edges[:-1]) / 2
+
+    rigid_at = partial(rigid, **scene)
 
     def of_laws(tilt: np.ndarray, **how: int) -> Soft:
         impacts = [simulate(tilt, law, **scene, **how) for law in laws]
         return Soft(*map(np.array, zip(*impacts, strict=True)))
 
     soft, coarse = of_laws(tilt), of_laws(TABLE_TILTS)
-    rms, right = compared(coarse, rigid(TABLE_TILTS, coarse.restitution, **scene))
-    theory = {law: rigid(line, restitution, law=law, **scene) for law in RESTITUTION_LAWS}
-    at_measured = rigid(tilt, soft.restitution, **scene)
+    rms, right = compared(coarse, rigid_at(TABLE_TILTS, coarse.restitution))
+    lines = [rigid_at(line, restitution, law=law) for law in RESTITUTION_LAWS]
+    newton, *_ = lines
+    at_measured = rigid_at(tilt, soft.restitution)
 
     def off(theory: Collision) -> np.ndarray:
         return np.hypot(soft.c_x - theory.c_x, soft.c_z - theory.c_z)[0]
@@ -84,36 +87,38 @@ def data(
         **soft._asdict(),
         "measured_c_x": at_measured.c_x,
         "measured_c_z": at_measured.c_z,
-        "line_c_x": theory["newton"].c_x,
-        "line_c_z": theory["newton"].c_z,
-        "line_regime": theory["newton"].regime,
-        "line_restitution": np.array([theory[law].normal_velocity for law in RESTITUTION_LAWS]),
+        "line_c_x": newton.c_x,
+        "line_c_z": newton.c_z,
+        "line_regime": newton.regime,
+        "line_restitution": np.array([law.normal_velocity for law in lines]),
         # distance of the first law's symbols from each theory at the constant, and at the measured
-        "off": np.array(
-            [off(rigid(tilt, restitution, law=law, **scene)) for law in RESTITUTION_LAWS]
-        ),
+        "off": np.array([off(rigid_at(tilt, restitution, law=law)) for law in RESTITUTION_LAWS]),
         "off_measured": off(at_measured),
         "step_error": distance(soft, of_laws(tilt, refine=64)),
-        "rms_constant": distance(coarse, rigid(TABLE_TILTS, restitution, **scene)),
+        "rms_constant": distance(coarse, rigid_at(TABLE_TILTS, restitution)),
         "rms_measured": rms,
         "regimes_right": right,
     }
 
 
 def _draw_velocities(ax, d, i: int):
-    deg, line_deg = np.degrees(d["tilt"]), np.degrees(d["line_tilt"])
-    edges_deg, upright = np.degrees(d["line_edges"]), ax.get_xaxis_transform()
+    deg = np.degrees(d["tilt"])
     ax.pcolormesh(
-        edges_deg, [0, 1], d["line_regime"][None], transform=upright, alpha=0.5, **REGIME_LOOK
+        np.degrees(d["line_edges"]),
+        [0, 1],
+        d["line_regime"][None],
+        transform=ax.get_xaxis_transform(),
+        alpha=0.5,
+        **REGIME_LOOK,
     )
-    some = slice(None, None, 1 if deg.size < 50 else 3)
     for part, marker in (("c_x", "o"), ("c_z", "s")):
         ax.plot(deg, d[f"measured_{part}"][i], color=RIGID, lw=3, alpha=0.4)
-        ax.plot(line_deg, d[f"line_{part}"], color=THEORY)
+        ax.plot(np.degrees(d["line_tilt"]), d[f"line_{part}"], color=THEORY)
         ax.plot(
-            deg[some],
-            d[part][i, some],
+            deg,
+            d[part][i],
             marker,
+            markevery=1 if deg.size < 50 else 3,
             color=SIMULATED,
             mfc="none",
             ms=3,

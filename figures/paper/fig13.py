@@ -14,7 +14,6 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from impact import drift, spherocylinder, thin_rod
-from md.sweep import Sweep
 
 from ..lib.runs import (
     BOX,
@@ -28,6 +27,7 @@ from ..lib.runs import (
     RESTITUTION,
     SECOND,
     SETTING,
+    Sweeps,
     means,
     paper_rod,
     periods_of,
@@ -55,18 +55,21 @@ from ..lib.style import (
 from .fig02 import AT_TOUCH
 
 BOX_OF_LENGTHS, GAMMA_OF_LENGTHS = 41.4, 2.5  # panel (c)
-GAMMAS = (1.02, 1.05, 1.1, 1.15, 1.2, 1.3, 1.4, 1.6, 1.8, 2, 2.5, 3, 3.3, 4, 5)
-ROD_LENGTHS = (1, 1.1, 1.25, 1.5, 1.75, 2, 2.5, 3, 4, 5, 6.5, 8, 9.5, 12)
+GAMMAS = [1.02, 1.05, 1.1, 1.15, 1.2, 1.3, 1.4, 1.6, 1.8, 2, 2.5, 3, 3.3, 4, 5]
+ROD_LENGTHS = [1, 1.1, 1.25, 1.5, 1.75, 2, 2.5, 3, 4, 5, 6.5, 8, 9.5, 12]
 
 
-def sweeps(quick: bool = False) -> dict[str, Sweep]:
+def sweeps(quick: bool = False) -> Sweeps:
     """Sweeps over tilt, Gamma, length; over length from rest; over tilt by a second law."""
-    gamma = [1.05, 1.2, 1.4, 1.6, 2, 3, 4] if quick else [*GAMMAS]
-    length = [1.25, 1.5, 2, 3, 9.5] if quick else [*ROD_LENGTHS]
+    gamma = [1.05, 1.2, 1.4, 1.6, 2, 3, 4] if quick else GAMMAS
+    length = [1.25, 1.5, 2, 3, 9.5] if quick else ROD_LENGTHS
     jammed = [2.5, 3] if quick else [2, 2.5, 3, 4, 5, 6.5]
     periods, seeds = periods_of(quick), starts(2 if quick else 4)
-    row = {"box.length": BOX_OF_LENGTHS, "plate.acceleration": GAMMA_OF_LENGTHS}
-    row |= {"rods.inertia": "solid"}
+    row = {
+        "box.length": BOX_OF_LENGTHS,
+        "plate.acceleration": GAMMA_OF_LENGTHS,
+        "rods.inertia": "solid",
+    }
     return {
         "tilt": tilt_plan(quick),
         "gamma": planned([{"plate.acceleration": gamma}, seeds], periods),
@@ -86,10 +89,15 @@ def data(
 ) -> Data:
     """Measured rows and the theory beside them; of one's own values the theory alone. cm/s."""
     setting = {"friction": friction, "restitution": restitution}
-    papers = (setting, length) == (SETTING, LENGTH)
-    words = rf"$\epsilon={restitution:g}$, $\mu={friction:g}$, (a, b) $l={length:g}\,d$"
+    words = rf"theory: $\epsilon={restitution:g}$, $\mu={friction:g}$, (a, b) $l={length:g}\,d$"
     runs = sweeps(quick)
-    of_rods = _simulated(runs) if papers else {}
+    of_rods = {}  # drift [cm/s], tilt [deg] and V_z/V_0 of the rows, by sweep
+    if (setting, length) == (SETTING, LENGTH):
+        words = f"row: {LAW_NAME}; {words}"
+        of_rods["jammed_length"] = runs["jammed"].values("rods.length")
+        for name, sweep in runs.items():
+            names = {f"{name}_c_x": "c_x_cm_s", f"{name}_tilt": "tilt_deg", f"{name}_V_z": AT_TOUCH}
+            of_rods |= means(sweep, names)
     tilt_deg, gamma = tilts(quick), runs["gamma"].values("plate.acceleration")
     lengths = runs["length"].values("rods.length")
     fine, fine_length = np.radians(np.linspace(0.5, 89.5, 357)), np.linspace(1, lengths[-1], 200)
@@ -102,7 +110,7 @@ def data(
         "tilt_deg": tilt_deg,
         "gamma": gamma,
         "length": lengths,
-        "words": f"row: {LAW_NAME}; theory: {words}" if papers else f"theory: {words}",
+        "words": words,
         **of_rods,
         "speed": plate_speed_cm_s(),
         "speed_b": plate_speed_cm_s(gamma),
@@ -119,15 +127,6 @@ def data(
     }
 
 
-def _simulated(runs: dict[str, Sweep]) -> Data:
-    """Drift [cm/s], tilt [deg] and V_z/V_0 of the rows, with their errors, by sweep."""
-    found = {"jammed_length": runs["jammed"].values("rods.length")}
-    stored = {"c_x": "c_x_cm_s", "tilt": "tilt_deg", "V_z": AT_TOUCH}
-    for name, sweep in runs.items():
-        found |= means(sweep, {f"{name}_{one}": result for one, result in stored.items()})
-    return found
-
-
 MEASURED: Look = {"color": RIGID, "marker": "s", "ms": 2.5, "lw": 0.8}  # theory, V_z as measured
 
 
@@ -135,7 +134,7 @@ def _over_tilt(ax, d):
     fine_deg, half = np.degrees(d["fine"]), d["speed"] / 2
     ax.plot(fine_deg, half * d["thin"], color=THEORY, label=r"theory, thin, $V_0/2$")
     ax.plot(fine_deg, half * d["thick"], "--", color=ORANGE, label=r"theory, $l$, $V_0/2$")
-    tilt_axis(ax, 0, 90, 30)
+    tilt_axis(ax, step=30)
     ax.set_ylabel(r"drift $c_x$ (cm/s)")
     if "tilt_c_x" not in d:
         return
@@ -148,18 +147,18 @@ def _over_tilt(ax, d):
 
 
 def _over_gamma(ax, d):
-    ax.plot(d["gamma"], d["thin_at_box"] * d["speed_b"] / 2, color=THEORY)
-    ax.plot(d["gamma"], d["thick_at_box"] * d["speed_b"] / 2, "--", color=ORANGE)
+    gamma, speed = d["gamma"], d["speed_b"]
+    ax.plot(gamma, d["thin_at_box"] * speed / 2, color=THEORY)
+    ax.plot(gamma, d["thick_at_box"] * speed / 2, "--", color=ORANGE)
     ax.set(xlabel=r"acceleration $\Gamma$", xlim=(1, None))
     if "gamma_c_x" not in d:
         return
     curve(ax, d, "gamma", "gamma_c_x", form="o")
     rising = np.where(d["gamma_V_z"] > 0, d["gamma_V_z"], np.nan)  # else the closure has no impact
-    ax.plot(d["gamma"], d["thick_at_box"] * rising * d["speed_b"], **MEASURED)
+    ax.plot(gamma, d["thick_at_box"] * rising * speed, **MEASURED)
     fit = fits(d)
-    x = np.array([fit["line_start"], d["gamma"][-1]])
-    line = fit["line_slope"] * (x - fit["line_from"])
-    ax.plot(x, line, color="0.5", label="fit from 2 on")
+    x = np.array([fit["line_start"], gamma[-1]])
+    ax.plot(x, fit["line_slope"] * (x - fit["line_from"]), color="0.5", label="fit from 2 on")
     ax.legend(loc="upper right")
     ax.set_ylim(-0.5, 2.2 * d["gamma_c_x"].max())
     inset = ax.inset_axes([0.2, 0.62, 0.25, 0.22])
@@ -185,11 +184,10 @@ def _over_length(ax, d):
 
 @style
 def draw(d: Data) -> plt.Figure:
-    third = rf"$L={BOX_OF_LENGTHS}\,d$, $\Gamma={GAMMA_OF_LENGTHS}$"
     panels = {
         rf"$\Gamma={GAMMA}$": _over_tilt,
         rf"$L={BOX:g}\,d$": _over_gamma,
-        third: _over_length,
+        rf"$L={BOX_OF_LENGTHS}\,d$, $\Gamma={GAMMA_OF_LENGTHS}$": _over_length,
     }
     figure = painted(d, panels, figsize=(7.0, 3.4))
     for ax in figure.axes:
@@ -204,7 +202,7 @@ def _slope(x: np.ndarray, y: np.ndarray, error: np.ndarray) -> tuple[float, floa
     weight = 1 / np.fmax(error, 0.01 * np.abs(y).max())
     (slope, at), cover = np.polyfit(x, y, 1, w=weight, cov="unscaled")
     residual = (weight * (slope * x + at - y)) ** 2
-    scale = max(residual.sum() / max(len(x) - 2, 1), 1.0)  # where the line does not fit
+    scale = max(residual.sum() / (len(x) - 2), 1.0)  # where the line does not fit
     return slope, np.sqrt(cover[0, 0] * scale), -at / slope
 
 
@@ -214,14 +212,14 @@ def fits(d: Data) -> dict[str, float]:
     power : exponent of c_x over Gamma - 1 below 1.5; line_ : c_x(Gamma) from 2 on
     """
     gamma, c_x = d["gamma"], d["gamma_c_x"]
-    near = (gamma < 1.5) & (c_x > 3 * d["gamma_c_x_error"])
+    error = d["gamma_c_x_error"]
+    near = (gamma < 1.5) & (c_x > 3 * error)
     far = gamma >= 2
     power, power_error = np.nan, np.nan
     if near.sum() >= 3:
-        relative = np.fmax(d["gamma_c_x_error"] / np.abs(c_x), 0.02)[near]
-        x, y = np.log(gamma[near] - 1), np.log(c_x[near])
-        power, power_error, _ = _slope(x, y, relative)
-    slope, slope_error, start = _slope(gamma[far], c_x[far], d["gamma_c_x_error"][far])
+        relative = np.fmax(error / np.abs(c_x), 0.02)[near]
+        power, power_error, _ = _slope(np.log(gamma[near] - 1), np.log(c_x[near]), relative)
+    slope, slope_error, start = _slope(gamma[far], c_x[far], error[far])
     return {
         "power": power,
         "power_error": power_error,

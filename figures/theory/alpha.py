@@ -16,8 +16,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from impact import drift, spherocylinder
-from md.domains import InputError
 
+from ..lib.bounces import bounced, estimates
 from ..lib.runs import FRICTION, GAMMA, LENGTH, RESTITUTION, with_error
 from ..lib.style import (
     BLACK,
@@ -38,6 +38,7 @@ from ..lib.style import (
 SHORTEST_FLIGHT = 0.01  # periods
 ALPHA_TILTS_DEG = (9, 20, 40)
 EXPERIMENT = 1.6  # Gamma above which the paper's rods drift forward, Fig. 2(c, d)
+small = partial(curve, ms=2)  # symbols of places close together
 MEASURED_FIELDS = ("alpha", "alpha_impulse", "drift", "flight", "rest")
 
 
@@ -45,9 +46,7 @@ def _measured(prefix: str, runs: np.ndarray) -> Data:
     """Means and errors of runs, arrays of their shape, one a field."""
     found = {}
     for field in MEASURED_FIELDS:
-        mean, error = np.transpose([getattr(run, field) for run in runs.flat])
-        mean, error = mean.reshape(runs.shape), error.reshape(runs.shape)
-        found |= with_error(f"{prefix}_{field}", mean, error)
+        found |= with_error(f"{prefix}_{field}", *estimates(runs, field))
     return found
 
 
@@ -58,37 +57,27 @@ def data(
     length: float = LENGTH,
 ) -> Data:
     """Sweeps over tilt [rad] and gamma; velocities in V_0, flights in periods."""
-    if friction == 0:
-        raise InputError("friction must be > 0, else rods keep their first velocity; got 0")
-    from impact.bouncing import bounce  # compiles
-
     setting = {"friction": friction, "restitution": restitution}
     rods, landings = (30, 200) if quick else (200, 1000)
-
-    @partial(np.vectorize, otypes=[object])
-    def run(tilt, gamma):
-        return bounce(
-            spherocylinder(tilt, length),
-            gamma=gamma,
-            **setting,
-            landings=landings,
-            rods=rods,
-            transient=200,
-            shortest_flight=SHORTEST_FLIGHT,
-        )
-
+    run = partial(
+        bounced,
+        length=length,
+        landings=landings,
+        rods=rods,
+        transient=200,
+        shortest_flight=SHORTEST_FLIGHT,
+        **setting,
+    )
     tilts = np.radians(np.arange(0, 76, 5 if quick else 1))
-    onset = np.geomspace(1e-3, 0.1, 4 if quick else 8)
-    gammas = np.concatenate([1 + onset, np.arange(1.2, 5.01, 0.4 if quick else 0.1)])
-    over_tilt, over_gamma = run(tilts, GAMMA), run(np.radians(ALPHA_TILTS_DEG)[:, None], gammas)
-    fine = np.concatenate([1 + np.geomspace(1e-4, 0.1, 30), np.linspace(1.11, np.hypot(1, np.pi))])
-    upright, flat = spherocylinder(0.0, length), spherocylinder(np.pi / 2, length)
-    inelastic = [
-        bounce(upright, gamma=g, friction=friction, restitution=0.0, landings=1).alpha.mean
-        for g in fine
-    ]
+    gammas = np.append(
+        1 + np.geomspace(1e-3, 0.1, 4 if quick else 8), np.arange(1.2, 5.01, 0.4 if quick else 0.1)
+    )
+    few, over_tilt = np.radians(ALPHA_TILTS_DEG), run(tilts, GAMMA)
+    fine = np.append(1 + np.geomspace(1e-4, 0.1, 30), np.linspace(1.11, np.hypot(1, np.pi)))
+    inelastic = bounced(0.0, fine, length, friction=friction, restitution=0.0, landings=1)
+    flat = spherocylinder(np.pi / 2, length)
     with np.errstate(divide="ignore", invalid="ignore"):
-        again = np.arcsin(np.sqrt(restitution) * upright.k / flat.X)
+        again = np.arcsin(np.sqrt(restitution) * flat.k / flat.X)
     return {
         "tilt": tilts,
         **_measured("tilt", over_tilt),
@@ -98,43 +87,42 @@ def data(
         **setting,
         "length": length,
         "gammas": gammas,
-        "gamma_tilt": np.radians(ALPHA_TILTS_DEG),
-        **_measured("gamma", over_gamma),
+        "gamma_tilt": few,
+        **_measured("gamma", run(few[:, None], gammas)),
         "inelastic_gamma": fine,
-        "inelastic_alpha": np.array(inelastic),
+        "inelastic_alpha": estimates(inelastic, "alpha")[0],
     }
 
 
 def _over_tilt(axes, d):
-    d = {**d, "deg": np.degrees(d["tilt"])}
+    deg = np.degrees(d["tilt"])
+    d = {**d, "deg": deg}
     again, (a, b, c) = np.degrees(d["again_tilt"]), axes
-    curve(a, d, "deg", "tilt_alpha", SKY, "every landing alike", ms=2)
-    curve(a, d, "deg", "tilt_alpha_impulse", RIGID, "weighted by impulse", ms=2)
+    small(a, d, "deg", "tilt_alpha", SKY, "every landing alike")
+    small(a, d, "deg", "tilt_alpha_impulse", RIGID, "weighted by impulse")
     a.axhline(0.5, color=THEORY, ls="--", label="Eq. (31): 1/2")
     a.set_ylabel(r"$\alpha=\langle V_z\rangle/V_0$")
     zero_line(a)
 
     share = d["tilt_flights"].T / 16
-    length = np.arange(len(share)) / 16
     b.pcolormesh(
-        d["deg"],
-        length,
+        deg,
+        np.arange(len(share)) / 16,
         np.sqrt(share),
         cmap="Greys",
         vmin=0,
         vmax=1,
-        shading="nearest",
         rasterized=True,
     )
-    curve(b, d, "deg", "tilt_flight", RIGID, "mean", ms=2)
+    small(b, d, "deg", "tilt_flight", RIGID, "mean")
     b.set(ylabel="flight (periods)", ylim=(0, 3.2))
     if again >= 0:
         b.plot([], [], ":", color=BLACK, label=rf"$X^2=\epsilon k^2$, {again:.1f}°")
 
-    curve(c, d, "deg", "tilt_drift", RIGID, "computed", ms=2)
+    small(c, d, "deg", "tilt_drift", RIGID, "computed")
     steady, label = d["steady_c_x"], r"(24), computed $\alpha$"
-    c.plot(d["deg"], steady * d["tilt_alpha_impulse"], color=THEORY, lw=0.8, label=label)
-    c.plot(d["deg"], steady / 2, "--", color=THEORY, label=r"(24), $\alpha=1/2$")
+    c.plot(deg, steady * d["tilt_alpha_impulse"], color=THEORY, lw=0.8, label=label)
+    c.plot(deg, steady / 2, "--", color=THEORY, label=r"(24), $\alpha=1/2$")
     c.set(ylabel=r"drift / $V_0$", ylim=(0, 1.45 * d["tilt_drift"].max() or 1))
     for ax in axes:
         tilt_axis(ax, 0, 75)
@@ -148,7 +136,7 @@ def _over_gamma(axes, d):
     for i, colour in enumerate(shades(len(d["gamma_tilt"]))):
         label = rf"$\phi={np.degrees(d['gamma_tilt'][i]):.0f}$°"
         for ax, name in zip(axes, ("alpha_impulse", "drift", "rest"), strict=True):
-            curve(ax, d, "gammas", f"gamma_{name}", colour, label, at=i, ms=2)
+            small(ax, d, "gammas", f"gamma_{name}", colour, label, at=i)
     a.plot(d["inelastic_gamma"], d["inelastic_alpha"], ":", color=BLACK, label=r"$\epsilon=0$")
     a.set(ylabel=r"$\alpha$, weighted by impulse", ylim=(-1.1, 1.1))
     zero_line(a)

@@ -80,7 +80,8 @@ def data(
     bounce = drift(rod, friction=1.0, restitution=restitutions[:, None]).c_z
     consistent, least = function("V: alpha and closure")(bounce)
     slow = np.linspace(0.01, 1, 2001)
-    slower = np.interp(bounce, slow / alpha_of_fall(slow), alpha_of_fall(slow))
+    alpha = alpha_of_fall(slow)
+    slower = np.interp(bounce, slow / alpha, alpha)
     usual = 0.65 if restitution is None else restitution
     setting = {"friction": np.append(frictions, np.inf)[:, None], "restitution": usual}
     steady = drift(rod, **setting)
@@ -113,21 +114,32 @@ def data(
 
 
 def _density(ax, d):
-    looks = zip(FALLS, d["density"], shades(len(FALLS)), FORMS, strict=True)
-    for q, density, colour, form in looks:
+    for q, density, colour, form in zip(
+        FALLS, d["density"], shades(len(FALLS)), FORMS, strict=True
+    ):
         ax.plot(np.degrees(d["phase"]), density, form, color=colour, label=f"{q:g}")
-    ax.set(xlabel=r"phase $\theta$ (deg)", ylabel=r"density $H$ (1/rad)", ylim=(0, 0.6))
-    ax.set(xlim=(-180, 180), xticks=[-180, -90, 0, 90, 180])
+    ax.set(
+        xlabel=r"phase $\theta$ (deg)",
+        xlim=(-180, 180),
+        xticks=range(-180, 181, 90),
+        ylabel=r"density $H$ (1/rad)",
+        ylim=(0, 0.6),
+    )
     ax.legend(title=r"fall speed $q=|c_z|/V_0$", ncols=3, loc="upper center")
 
 
 def _alpha(ax, d):
-    slow = d["fall"] <= 1
-    ax.plot(d["fall"][slow], d["alpha"][slow], "--", color=BLUE, label="slower than the plate")
-    ax.plot(d["fall"][~slow], d["alpha"][~slow], color=BLACK, label="faster, $1/(2q)$")
+    fall, alpha = d["fall"], d["alpha"]
+    slow = fall <= 1
+    ax.plot(fall[slow], alpha[slow], "--", color=BLUE, label="slower than the plate")
+    ax.plot(fall[~slow], alpha[~slow], color=BLACK, label="faster, $1/(2q)$")
     ax.plot(1, 0.5, "o", color=THEORY, label="the paper's 1/2")
-    ax.set(xlabel=r"fall speed $q=|c_z|/V_0$", ylabel=r"$\alpha=V_z/V_0$", xlim=(0, 3))
-    ax.set(ylim=(0, 1))
+    ax.set(
+        xlabel=r"fall speed $q=|c_z|/V_0$",
+        xlim=(0, 3),
+        ylabel=r"$\alpha=V_z/V_0$",
+        ylim=(0, 1),
+    )
     ax.legend()
 
 
@@ -148,8 +160,9 @@ def _regimes(ax, d, name: str, frictions: int):
     """Draw slip-stick in black; in colour the smallest frictions where they reverse."""
     tilt_deg = np.degrees(d["tilt"])
     ax.plot(tilt_deg, d[name][-1], color=BLACK, label="slip-stick")
-    looks = zip(d["frictions"][:frictions], shades(len(d["frictions"])), FORMS, strict=False)
-    for y, (mu, colour, form) in zip(d[name], looks, strict=False):
+    mus = d["frictions"]
+    rows = zip(d[name], mus[:frictions], shades(len(mus)), FORMS, strict=False)
+    for y, mu, colour, form in rows:
         ax.plot(tilt_deg, y, form, color=colour, label=rf"reversal, $\mu={mu:g}$")
     tilt_axis(ax)
     ax.legend()
@@ -168,9 +181,9 @@ def _cost(ax, d):
 
 def _painleve(ax, d):
     names = "thin rod", f"round, $l={d['length']:g}d$", "round, $l=3d$", "flat ends, $l=8d$"
-    looks = zip(names, ("thin", "round", "round", "flat"), ("-", "-", "-.", "-"), strict=True)
-    for friction, (name, kind, form) in zip(d["painleve"], looks, strict=True):
-        ax.plot(np.degrees(d["tilt"]), friction, form, color=SHAPE_COLOURS[kind], label=name)
+    shapes, forms = ("thin", "round", "round", "flat"), ("-", "-", "-.", "-")
+    for friction, name, shape, form in zip(d["painleve"], names, shapes, forms, strict=True):
+        ax.plot(np.degrees(d["tilt"]), friction, form, color=SHAPE_COLOURS[shape], label=name)
     ax.plot(np.degrees(np.arctan(0.5)), 4 / 3, "o", color=BLACK)
     tilt_axis(ax)
     ax.set(ylabel=r"friction $\mu_P$", ylim=(0, 8))

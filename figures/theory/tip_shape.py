@@ -20,6 +20,8 @@ from scipy.stats import sem
 import md
 from impact import collide, drift, flat_ended_rod, spherocylinder, thin_rod
 
+from ..lib.bounces import bounced, estimates
+from ..lib.runs import with_error
 from ..lib.style import (
     ARROW,
     BLACK,
@@ -27,8 +29,8 @@ from ..lib.style import (
     SHAPE_COLOURS,
     SHAPES,
     Data,
+    curve,
     painted,
-    points,
     style,
     tilt_axis,
     zero_line,
@@ -43,33 +45,38 @@ LINES = {"thin": "-.", "round": "-", "flat": "-"}
 
 def _bounced(quick: bool, length: float, setting: dict[str, float]) -> Data:
     """Drift of repeated impacts at held tilt, in V_0; mean over Gamma and standard error."""
-    from impact.bouncing import bounce  # compiles
-
-    gammas, found = np.linspace(2, 4, 5 if quick else 21), {}
+    gammas = np.linspace(2, 4, 5 if quick else 21)
     tilts = np.radians([1, 5, 8, 15, 28, 60] if quick else [*range(1, 12), *range(12, 61, 2)])
-    landings = 100 if quick else 500
-    for name, make in (("round", spherocylinder), ("flat", flat_ended_rod)):
-        rods = [make(tilt, length) for tilt in tilts]
-        runs = [
-            [bounce(rod, gamma=g, **setting, landings=landings, rods=4).drift.mean for g in gammas]
-            for rod in rods
-        ]
-        found[f"{name}_bounced"] = np.mean(runs, axis=1)
-        found[f"{name}_bounced_error"] = sem(runs, axis=1)
-    return {"bounced_tilt": tilts, **found}
+    found = {"bounced_tilt": tilts}
+    for name, shape in (("round", spherocylinder), ("flat", flat_ended_rod)):
+        runs = bounced(
+            tilts[:, None],
+            gammas,
+            length,
+            shape,
+            landings=100 if quick else 500,
+            rods=4,
+            **setting,
+        )
+        drifts, _ = estimates(runs, "drift")
+        found |= with_error(f"{name}_bounced", drifts.mean(axis=1), sem(drifts, axis=1))
+    return found
 
 
 def _one_impact(quick: bool, length: float, friction: float, restitution: float) -> Data:
     """c_x after one impact straight down on a flat end, in |c_z|: soft, and by the map."""
     degrees = [0, 0.02, 0.05, 0.1, 0.2, *([5, 10] if quick else range(1, 16))]
-    soft_tilt = np.radians([*(-deg for deg in degrees[:0:-1]), *degrees])
+    half = np.radians(degrees)
+    soft_tilt = np.append(-half[:0:-1], half)
     rod, law = md.Rod(length, ends="flat"), md.coulomb(restitution)
-    hits = [md.impact(tilt, 0.0, -1.0, friction=friction, rod=rod, law=law) for tilt in soft_tilt]
+    soft = [
+        md.impact(tilt, 0.0, -1.0, friction=friction, rod=rod, law=law).c_x for tilt in soft_tilt
+    ]
     tilt = np.radians(np.append(-np.linspace(15, 0, 151), np.linspace(0, 15, 151)))
     rod = flat_ended_rod(tilt, length)
     return {
         "soft_tilt": soft_tilt,
-        "soft": np.array([hit.c_x for hit in hits]),
+        "soft": np.array(soft),
         "rigid_tilt": tilt,
         "rigid": collide(0.0, -1.0, geometry=rod, friction=friction, restitution=restitution).c_x,
     }
@@ -79,12 +86,10 @@ def data(
     quick: bool = False, friction: float = 0.3, restitution: float = 0.65, length: float = 8.0
 ) -> Data:
     """Drift in units of V_z, over tilt [rad] and over length; lengths in diameters."""
-    if friction == 0:
-        raise md.InputError("friction must be > 0, else rods keep their first velocity; got 0")
     n = 61 if quick else 601
     # The sign of a zero tilt says which edge of a flat end touches: both are there, in a row.
-    tilt_deg = np.concatenate([-np.linspace(20, 0, n // 3), np.linspace(0, 60, n)])
-    tilt, fixed, lengths = np.radians(tilt_deg), np.radians(15), np.geomspace(1, 20, n)
+    tilt = np.radians(np.append(-np.linspace(20, 0, n // 3), np.linspace(0, 60, n)))
+    fixed, lengths = np.radians(15), np.geomspace(1, 20, n)
 
     setting = {"friction": friction, "restitution": restitution}
 
@@ -125,47 +130,52 @@ def _cut(ax, tilt: np.ndarray, y: np.ndarray, form: str, colour: str):
         ax.plot(np.degrees(tilt[side]), y[side], form, color=colour)
 
 
+def _marks(ax, d):
+    """Mark where a flat end turns by the closed form, and where it moved in the experiment."""
+    ax.plot(np.degrees(d["flat_threshold"]), 0, "o", color=FLAT)
+    ax.axvline(OBSERVED_DEG, color=GREEN, lw=0.8)
+
+
 def _over_tilt(ax, d):
     limit, threshold_deg = _limit(d), np.degrees(d["flat_threshold"])
     for kind, line in LINES.items():
         _cut(ax, d["tilt"], d[kind], line, SHAPE_COLOURS[kind])
     edges = d["flat"][d["tilt"] == 0]
-    ax.plot([0, 0], edges, ":", color=FLAT, lw=1)
-    ax.plot([0, 0], edges, "o", color=FLAT, ms=3, mfc="w")
+    ax.plot([0, 0], edges, "o:", color=FLAT, lw=1, ms=3, mfc="w")
     words = "contact jumps\nfrom edge to edge"
     ax.annotate(words, (0, edges.max()), (-19, 0.8 * limit), va="center", arrowprops=ARROW)
     ax.axvspan(-threshold_deg, threshold_deg, color=FLAT, alpha=0.1, lw=0)
     aside = min(threshold_deg, OBSERVED_DEG) - 0.5
     ax.text(aside, -0.94 * limit, "flat ends\nbackwards", color=FLAT, ha="right")
-    ax.plot(threshold_deg, 0, "o", color=FLAT, ms=4)
+    _marks(ax, d)
     words = rf"$\arctan(d/l)$ = {threshold_deg:.3f}°"
     ax.annotate(words, (threshold_deg, 0), (16, -0.33 * limit), **TOLD)
-    ax.axvline(OBSERVED_DEG, color=GREEN, lw=0.8)
     ax.text(OBSERVED_DEG + 1, -0.94 * limit, "experiment: flat\nends drift above 8°", color=GREEN)
-    ax.set_ylabel(r"drift $c_x/V_z$")
+    ax.set(ylabel=r"drift $c_x/V_z$", ylim=(-limit, limit))
     tilt_axis(ax, -20, 60, 10)
 
 
 def _over_length(ax, d):
     limit = _limit(d)
     for kind, line in LINES.items():
-        y, label = d[f"{kind}_by_length"], SHAPES[kind]
-        ax.plot(d["lengths"], y, line, color=SHAPE_COLOURS[kind], label=label)
-    ax.plot(d["flat_length"], 0, "o", color=FLAT, ms=4)
+        y = d[f"{kind}_by_length"]
+        ax.plot(d["lengths"], y, line, color=SHAPE_COLOURS[kind], label=SHAPES[kind])
+    ax.plot(d["flat_length"], 0, "o", color=FLAT)
     words = rf"$l=d/\tan\phi={d['flat_length']:.2f}\,d$"
     ax.annotate(words, (d["flat_length"], 0), (6.2, -0.16 * limit), **TOLD)
     ax.axvline(3, color="0.5", lw=0.6, ls=":")
+    words = rf"$\epsilon={d['restitution']:g}$, $\mu={d['friction']:g}$"
+    ax.text(0.98, 0.97, words, transform=ax.transAxes, ha="right", va="top")
     ax.text(3.2, 0.86 * limit, "Fig. 13(c):\nsaturates", color="0.3", va="center")
-    ax.set(xlabel="length $l/d$", xlim=(0, 20), xticks=(1, 3, 5, 10, 15, 20))
+    ax.set(xlabel="length $l/d$", xlim=(0, 20), xticks=(1, 3, 5, 10, 15, 20), ylim=(-limit, limit))
     ax.legend(loc="lower right")
 
 
 def _over_bounces(ax, d):
+    d = {**d, "deg": np.degrees(d["bounced_tilt"])}
     for kind in ("round", "flat"):
-        drift, error = d[f"{kind}_bounced"], d[f"{kind}_bounced_error"]
-        points(ax, np.degrees(d["bounced_tilt"]), drift, error, SHAPE_COLOURS[kind])
-    ax.plot(np.degrees(d["flat_threshold"]), 0, "o", color=FLAT, ms=4)
-    ax.axvline(OBSERVED_DEG, color=GREEN, lw=0.8)
+        curve(ax, d, "deg", f"{kind}_bounced", SHAPE_COLOURS[kind])
+    _marks(ax, d)
     ax.text(0.97, 0.95, r"mean over $\Gamma$", transform=ax.transAxes, ha="right", va="top")
     ax.set_ylabel(r"drift $c_x/V_0$")
     tilt_axis(ax, 0, 60, 10)
@@ -182,16 +192,14 @@ def _one(ax, d):
 
 @style
 def draw(d: Data) -> plt.Figure:
-    fixed = rf"$\phi$ = {np.degrees(d['fixed_tilt']):g}°"
     length = rf"$l={d['length']:g}\,d$"
-    panels = {f"closure, {length}": _over_tilt, f"closure, {fixed}": _over_length}
-    panels |= {f"repeated impacts, {length}": _over_bounces, f"one impact, {length}": _one}
+    panels = {
+        f"closure, {length}": _over_tilt,
+        rf"closure, $\phi$ = {np.degrees(d['fixed_tilt']):g}°": _over_length,
+        f"repeated impacts, {length}": _over_bounces,
+        f"one impact, {length}": _one,
+    }
     figure = painted(d, panels, 2, figsize=(7.0, 5.6))
-    left, right, *_ = figure.axes
     for ax in figure.axes:
         zero_line(ax)
-    for ax in (left, right):
-        ax.set_ylim(-_limit(d), _limit(d))
-    words = rf"$\epsilon={d['restitution']:g}$, $\mu={d['friction']:g}$"
-    right.text(0.98, 0.97, words, transform=right.transAxes, ha="right", va="top")
     return figure
