@@ -26,7 +26,6 @@ from impact import ContactGeometry, collide, thin_rod
 from md.kernels import touches
 from md.measures import HOP, VELOCITIES, merged
 from md.scene import from_tables
-from md.sweep import Sweep
 
 from ..claims.over_tilt import SMALL_DEG
 from ..lib.runs import (
@@ -36,6 +35,7 @@ from ..lib.runs import (
     RESTITUTION,
     ROW,
     TILT_SCAN_WORDS,
+    Sweeps,
     boxes,
     drift_and_tilt,
     gathered,
@@ -169,7 +169,7 @@ def balanced(scene: md.Scene, periods: int) -> dict[str, Any]:
     }
 
 
-def sweeps(quick: bool = False) -> dict[str, Sweep]:
+def sweeps(quick: bool = False) -> Sweeps:
     """Sweep of the row over tilt that measures touch by touch."""
     axes = [{"box.length": boxes(CLOSURE_TILTS_DEG[quick])}, starts(2 if quick else 4)]
     return {"tilt": planned(axes, periods_of(quick), measure=balanced)}

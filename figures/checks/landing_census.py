@@ -21,7 +21,7 @@ from impact import critical_friction
 from md.scene import put, read_tables
 from md.sweep import Sweep
 
-from ..lib.runs import FRICTION, GAMMA, both, gathered, paper_rod, planned, with_error
+from ..lib.runs import FRICTION, GAMMA, Sweeps, both, gathered, paper_rod, planned, with_error
 from ..lib.style import (
     ANOTHER,
     BLACK,
@@ -67,7 +67,7 @@ def one_row(quick: bool) -> Sweep:
     return planned([], CENSUS_PERIODS[quick], CONTACTS["constraint"], CENSUS_ROW, counted)
 
 
-def sweeps(quick: bool = False) -> dict[str, Sweep]:
+def sweeps(quick: bool = False) -> Sweeps:
     """Sweeps of rows over tilt, law by law, over Gamma and over the restitution between rods."""
     return {
         name: planned(

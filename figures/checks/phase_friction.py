@@ -14,7 +14,6 @@ import numpy as np
 from matplotlib.patheffects import withStroke
 
 from impact import critical_friction, drift, spherocylinder
-from md.sweep import Sweep
 
 from ..lib.runs import (
     BOX,
@@ -23,6 +22,7 @@ from ..lib.runs import (
     LAW_NAME,
     LENGTH,
     ROW,
+    Sweeps,
     means,
     nearest,
     planned,
@@ -50,7 +50,7 @@ HALO = withStroke(linewidth=2, foreground="w")
 FRICTION_MEANS = {"c_x": "c_x_cm_s", "V_z": AT_TOUCH}
 
 
-def sweeps(quick: bool = False) -> dict[str, Sweep]:
+def sweeps(quick: bool = False) -> Sweeps:
     """Sweep of the row over friction and restitution of the plate."""
     friction, restitution = [0.01, 0.1, 0.3, 1.0], {0.4, OF_LAW, 0.9}
     if not quick:

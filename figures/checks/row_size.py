@@ -11,12 +11,11 @@ its mean tilt falls, its drift does not change.
 import matplotlib.pyplot as plt
 import numpy as np
 
-from md.sweep import Sweep
-
 from ..lib.runs import (
     GAMMA,
     LAW_NAME,
     LENGTH,
+    Sweeps,
     boxes,
     gathered,
     larger_error,
@@ -38,7 +37,7 @@ PLANS = {  # rods: starts, periods
 FORMS = "o-", "s-", "^-"  # of the tilts
 
 
-def sweeps(quick: bool = False) -> dict[str, Sweep]:
+def sweeps(quick: bool = False) -> Sweeps:
     """Sweeps of rows over tilt, one for each number of rods."""
     return {
         str(count): planned(

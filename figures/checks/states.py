@@ -25,6 +25,7 @@ from ..lib.runs import (
     GAMMA,
     LAW_NAME,
     LENGTH,
+    Sweeps,
     boxes,
     gathered,
     nearest,
@@ -79,7 +80,7 @@ BESIDE = 0.15  # by which symbols of one Gamma stand apart
 WAYS = (RED, "o-", "up"), (BLUE, "s-", "down")  # of the tilt
 
 
-def sweeps(quick: bool = False) -> dict[str, Sweep]:
+def sweeps(quick: bool = False) -> Sweeps:
     """Sweeps of rows over tilt, acceleration and start; long runs; tilts driven up and down."""
     tilts, gammas, periods = MAP[quick]
     some, lives, long = LIVES[quick]

@@ -22,9 +22,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from md.scene import put, read_tables
-from md.sweep import Sweep
 
-from ..lib.runs import SEEDS, both, boxes, means, planned, seed_means
+from ..lib.runs import SEEDS, Sweeps, both, boxes, means, planned, seed_means
 from ..lib.style import ORANGE, Data, curve, legend_above, painted, style
 
 MEASURED = {  # in the columns of the table, with the names that a run has for them
@@ -55,7 +54,7 @@ def other() -> tuple[np.ndarray, np.ndarray]:
     return tilts, rows[:, 2:].T.reshape(len(MEASURED), len(tilts), -1)
 
 
-def sweeps(quick: bool = False) -> dict[str, Sweep]:
+def sweeps(quick: bool = False) -> Sweeps:
     """Sweep of this program's row over the other program's tilts and over starts."""
     changes = {"rods.diameter_cm": 0.635, "start.speed": 0.3, **both(tangential_damping=0.04)}
     base = put(read_tables("quasi2d"), changes)

@@ -22,7 +22,7 @@ from md.measures import standard_error
 from md.scene import from_tables
 from md.sweep import Point, Sweep
 
-from ..lib.runs import ROW, computed, gathered, measured_by, nearest
+from ..lib.runs import ROW, Sweeps, computed, gathered, measured_by, nearest
 from ..lib.style import BLACK, BLUE, GREEN, RED, Data, Look, log_log, note, painted, shades, style
 from ..lib.timing import measured_here, seconds_per_period
 from .accuracy_cost_impact import PAPER_STEP
@@ -84,7 +84,7 @@ def asked() -> dict[str, md.Scene]:
     }
 
 
-def sweeps(quick: bool = False) -> dict[str, Sweep]:
+def sweeps(quick: bool = False) -> Sweeps:
     """Sweeps: long runs over the step; runs to a tolerance, scene by scene."""
     sizes, most, scenes = steps(), LONG_PERIODS[quick], asked()
     long = [Point(_scene(dt), CUT + (most if dt > PAPER_STEP else most // 3)) for dt in sizes]

@@ -29,6 +29,7 @@ from ..lib.runs import (
     GAMMA,
     RESTITUTION,
     SETTING,
+    Sweeps,
     both,
     gathered,
     over_seeds,
@@ -77,7 +78,7 @@ def rungs(quick: bool) -> dict[tuple[str, str], tuple[float, dict, int]]:
     return found
 
 
-def sweeps(quick: bool = False) -> dict[str, Sweep]:
+def sweeps(quick: bool = False) -> Sweeps:
     """Sweeps over starts: of every row, and of the row of the trusted answer."""
 
     def started(rows: list[tuple[float, dict, int]], count: int) -> Sweep:

@@ -13,7 +13,6 @@ import re
 from functools import cache
 from math import isfinite
 from pathlib import Path
-from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
@@ -22,7 +21,7 @@ from md.host import STEPS_PER_CONTACT
 
 from .. import load
 from ..claims import judge
-from ..claims.limits import ONE_STATE_DEG
+from ..claims.limits import ONE_STATE_DEG, Record
 from ..cost.effect_prices import plus_minus
 from ..cost.price_page import CHECKED
 
@@ -69,7 +68,7 @@ templates.globals |= {
 }
 
 
-def claims_page(report: dict[str, Any]) -> str:
+def claims_page(report: Record) -> str:
     """The verdicts as a page: a table, then a section for each claim."""
     from ..claims import any_rods  # late: it compiles
     from ..lib import runs
@@ -115,7 +114,7 @@ def pages() -> dict[Path, str]:
     return made | {README: text}
 
 
-def _short(row: dict[str, Any]) -> str:
+def _short(row: Record) -> str:
     """A number to two digits, or three if it would else pass for a whole one; degrees to one."""
     value = row["value"]
     if not isfinite(value):
