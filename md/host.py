@@ -43,7 +43,7 @@ from .kernels.codes import (
 from .kernels.contact import ContactForces
 from .kernels.march import Series, Watchers, energy, march
 from .kernels.neighbours import PAIR, nothing_listed
-from .kernels.state import Clock, Effects, Motion, Scratch, State, Wall
+from .kernels.state import Clock, Effects, Motion, Scratch, State, Walls
 from .kernels.touches import Record, new_record
 from .kernels.vectors import IN_SPACE
 from .laws import Rod, contact_time, effects_of, friction_of, largest_step
@@ -323,8 +323,7 @@ def all_effects(scene: Scene, per: int) -> Effects:
         up=IN_SPACE,
         gravity=gravity.z if gravity else None,
         rolling=rolling if scene.rods.rolling else None,
-        inner=Wall(gap.inner, *wall),
-        outer=Wall(gap.outer, *wall),
+        walls=Walls(*wall, gap.inner, gap.outer),
         shaken=gap.shaken or None,
     )
 
@@ -332,9 +331,8 @@ def all_effects(scene: Scene, per: int) -> Effects:
 def at_start(effects: Effects, rods: np.ndarray) -> State:
     """`State` of rods before their first contact."""
     n, space, between = len(rods), len(effects.up) == 3, effects.between
-    walls = [wall for wall in (effects.inner, effects.outer) if wall]
-    frictions = effects.friction, *(wall.friction for wall in walls)
-    rubs = [friction for friction in frictions if friction]
+    walls = effects.walls
+    rubs = [rub for rub in (effects.friction, walls and walls.friction) if rub]
     slots, part, columns = (SLOTS, 3, 6) if space else (2, 1, 3)
     order: Any = "C" if space else "F"  # the faster order; an array of one rod in a row has both
     listed, place, found, capacity = None, None, None, 8 * n + 56

@@ -28,7 +28,7 @@ from md.kernels.codes import (
 from md.kernels.contact import ContactForces, Friction, Normal
 from md.kernels.march import Watchers
 from md.kernels.neighbours import Axes, nearest
-from md.kernels.state import Effects, Motion, Wall
+from md.kernels.state import Effects, Motion, Walls
 from md.kernels.touches import new_record
 from md.kernels.vectors import IN_SPACE
 from md.laws import Rod
@@ -90,8 +90,7 @@ PLANE = FREE._replace(gravity=(0.0, 0.0), period=1e6)
 SPACE = FREE._replace(
     gravity=0.0,
     up=IN_SPACE,
-    inner=Wall(1.0, *LOSSY_FORCES),
-    outer=Wall(1e3, *LOSSY_FORCES),
+    walls=Walls(*LOSSY_FORCES, 1.0, 1e3),
     shaken=True,
 )
 ROLLS = SPACE._replace(friction=HELD, rolling=15.0, shaken=None)

@@ -15,11 +15,10 @@ from md.kernels.batch import SIZE
 from md.kernels.codes import C_X, OMEGA, PAIR_NORMAL, ROW_DIRECTION, ROW_PLACE, ROW_VELOCITY
 from md.kernels.contact import ContactForces
 from md.kernels.neighbours import Axes, between_ends, near_end
-from md.kernels.state import Wall
+from md.kernels.state import Walls
 
 from .command_line import DOCS
 from .rows import (
-    ELASTIC,
     ELASTIC_PLANE,
     ELASTIC_RODS,
     HALF,
@@ -49,7 +48,7 @@ from .track import damped
 
 DEEP = 0.02  # overlap; ends reach each other up to 0.2 along the axes
 ONE = SOFT * DEEP**1.5  # force of such a contact
-IN_SPACE = SPACE._replace(between=ELASTIC_RODS, inner=Wall(5.0, ELASTIC, SMOOTH))
+IN_SPACE = SPACE._replace(between=ELASTIC_RODS, walls=Walls(*ELASTIC_RODS, 5.0, 1e3))
 
 
 # Distances

@@ -16,7 +16,7 @@ from md.kernels import single
 from md.kernels.codes import WATCHED
 from md.kernels.contact import ContactForces, Friction, Normal
 from md.kernels.march import Watchers
-from md.kernels.state import Wall
+from md.kernels.state import Walls
 from md.kernels.vectors import IN_PLANE, IN_SPACE
 
 from .rows import AT_REST, LOSSY, ROLLING, SOFT, SPACE, in_plane, ring, row, started
@@ -113,8 +113,7 @@ RIGID, CONSTRAINT = Normal(SOFT), Friction(0.3, None)  # no dashpot, no spring
 SPRING = Friction(0.3, md.constant_restitution(1.0, SOFT, tangential_damping=0.0).spring)
 REST, TOUCHING = {"normal": RIGID}, {"between": ContactForces(RIGID, None)}
 SHAKEN = REST | {"plate": AT_REST, "friction": CONSTRAINT}
-INNER, OUTER = Wall(5.0, RIGID, None), Wall(1e3, RIGID, None)
-WALLS = {"up": IN_SPACE, "inner": INNER, "outer": OUTER, **REST, **TOUCHING}
+WALLS = {"up": IN_SPACE, "walls": Walls(RIGID, None, 5.0, 1e3), **REST, **TOUCHING}
 # Effects: what is there with them, without them; rods that none of them touches; arguments of
 # `march` that are theirs; instructions that only they need.
 EFFECTS = {
@@ -161,8 +160,8 @@ EFFECTS = {
         WALLS,
         {"up": IN_SPACE},
         [3],
-        "effects.inner effects.outer effects.between",
-        "wall_forces",
+        "effects.walls effects.between",
+        "at_wall",
         "joined_ends",
     ),
     "rolling on the plate": (
@@ -175,7 +174,7 @@ EFFECTS = {
         SPACE._asdict() | {"watched": True},  # as in other tests: parts of it are compiled
         WALLS,
         [3],
-        "effects.inner.friction effects.friction effects.between.friction state.springs"
+        "effects.walls.friction effects.friction effects.between.friction state.springs"
         " effects.gravity effects.shaken effects.plate watchers.record",
         "sitofp",
     ),
@@ -200,7 +199,7 @@ def test_a_scene_without_walls_is_the_free_rod(march):
     """It has no root but those of speed and turn, in pairs and alone, and of larger turns."""
     _, (_, whole, body) = marched(march, up=IN_SPACE)
     assert len(re.findall(r"call[^\n]*sqrt", body)) <= 5
-    assert not re.search("joined_ends|wall_forces", whole)
+    assert not re.search("joined_ends|at_wall", whole)
 
 
 def test_what_is_absent_everywhere_needs_next_to_nothing():

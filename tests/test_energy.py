@@ -31,7 +31,7 @@ from md.kernels.codes import (
     Z,
 )
 from md.kernels.contact import ContactForces, Friction
-from md.kernels.state import Wall
+from md.kernels.state import Walls
 from md.kernels.touches import REGIME
 from md.placement import placed
 
@@ -109,8 +109,7 @@ def crowd():
 def between_walls(normal, friction):
     """Rods and the walls of the gap, of one law; the plate is far below."""
     return SPACE._replace(
-        inner=Wall(EXPERIMENT.inner, normal, friction),
-        outer=Wall(EXPERIMENT.outer, normal, friction),
+        walls=Walls(normal, friction, EXPERIMENT.inner, EXPERIMENT.outer),
         between=ContactForces(normal, friction),
     )
 
@@ -309,12 +308,9 @@ def after_a_period(scene, per, lossy):
     scene = replace(scene, step=md.Step((1 + 1e-9) / scene.frequency / per, coarse=True))
     engine = prepare(scene)
     if not lossy:
-        walls = {
-            name: wall._replace(**LOSSLESS)
-            for name in ("inner", "outer")
-            if (wall := getattr(engine.effects, name))
-        }
-        engine.effects = engine.effects._replace(**LOSSLESS, between=ELASTIC_RODS, **walls)
+        lossless = engine.effects._replace(**LOSSLESS, between=ELASTIC_RODS)
+        walls = lossless.walls and lossless.walls._replace(**LOSSLESS)
+        engine.effects = lossless._replace(walls=walls)
     engine.rods[:, VELOCITY + 2 if scene.annulus else C_Z] += engine.dt / 2
     return vectors(go(engine, per), engine.rods)[0]
 

@@ -25,7 +25,7 @@ from md.kernels.codes import (
     X,
 )
 from md.kernels.contact import ContactForces, Friction
-from md.kernels.state import Motion, Wall
+from md.kernels.state import Motion, Walls
 from md.laws import deepest_overlap
 
 from .rows import (
@@ -163,27 +163,25 @@ def test_m10_no_wall_is_entered_beyond_the_soft_overlap(inner, director, frictio
     """A rod thrown at a wall, squarely or not, by side or cap, comes back slower than it came."""
     room, side = 0.52 + abs(HALF * unit(director)[0]), 1 if inner else -1
     place = INNER + room if inner else OUTER - room - 1
-    wall = Wall(INNER if inner else OUTER, LOSSY.normal, friction)
+    walls = Walls(LOSSY.normal, friction, INNER, OUTER)
     thrown = (place, 0, 0), director, (-side * speed, 0.2 * speed, 0.1 * speed)
-    flying = started(SPACE._replace(**{"inner" if inner else "outer": wall}), in_space(thrown))
+    flying = started(SPACE._replace(walls=walls), in_space(thrown))
     deepest, energy = -np.inf, kinetic(flying)
     for _ in range(int(2.5 / speed / 1e-4 / every)):
-        reach = side * (radii(go(flying, every).rods) - wall.radius)
+        reach = side * (radii(go(flying, every).rods) - walls[2 if inner else 3])
         deepest = max(deepest, 0.5 - reach.min())
     assert 0 < deepest < 1.05 * deepest_overlap(LOSSY, 1.05 * speed)
     assert kinetic(flying) < energy
     assert flying.rods[0, VELOCITY] * side > (0 if inner else -0.3 * speed)
 
 
-@pytest.mark.parametrize("rough", ["inner", "outer"])
-def test_a_rod_pressed_between_shaken_walls_moves_with_them(rough):
-    """Friction of one wall moves it, without the plate, and its work is the kinetic energy."""
-    pressing = {"inner": Wall(5.0, LOSSY.normal, SMOOTH), "outer": Wall(5.99, LOSSY.normal, SMOOTH)}
-    pressing[rough] = pressing[rough]._replace(friction=ROUGH._replace(coefficient=10.0))
+def test_a_rod_pressed_between_shaken_walls_moves_with_them():
+    """Their friction moves it, without the plate, and its work is the kinetic energy."""
+    walls = Walls(LOSSY.normal, ROUGH._replace(coefficient=10.0), 5.0, 5.99)
     quarter = 20_000
     turn = np.arange(4 * quarter) * pi / 2 / quarter
     plate = Motion(np.full(4 * quarter, -1e3), 0.2 * np.sin(turn))
-    rod = started(SPACE._replace(**pressing, plate=plate), in_space(((5.495, 0, 0), (0, 0, 1))))
+    rod = started(SPACE._replace(walls=walls, plate=plate), in_space(((5.495, 0, 0), (0, 0, 1))))
     assert go(rod, quarter).rods[0, VELOCITY + 2] == pytest.approx(0.2, rel=2e-3)
     assert rod.ledger[PLATE_WORK] == pytest.approx(0.2**2 / 2, rel=4e-3)
 
@@ -218,7 +216,7 @@ def test_m5_a_lying_rod_that_a_wall_pushes_does_not_creep():
     force = 0.1
     x = INNER + 0.5 - resting_overlap(force) + HALF
     rods = in_space(((x, 0, 0.5 - resting_overlap(0.5)), (1, 0, 0)))
-    scene = ROLLS._replace(inner=Wall(INNER, ELASTIC, SMOOTH), plate=AT_REST, gravity=-1.0)
+    scene = ROLLS._replace(walls=Walls(ELASTIC, SMOOTH, INNER, OUTER), plate=AT_REST, gravity=-1.0)
     lying = go(started(scene, rods, 1e-3), 3000)  # settles
     before = lying.rods.copy()
     assert np.abs(go(lying, 1_000_000).rods - before).max() < 1e-10
@@ -334,8 +332,8 @@ def test_m16_a_state_that_is_not_finite_stops_the_run_at_once(scene, value):
 def test_rods_that_lie_down_and_rods_that_cross_go_on():
     """A rod on the plate and one dropped across it in a wide gap are at rest in the end."""
     lying, crossing = ((9, 0, 0.51), [0, 1, 0]), ((9, 0, 1.55), [1, 0, 0], (0, 0, -0.5))
-    outer = Wall(20.0, LOSSY.normal, ROUGH)
-    scene = SPACE._replace(outer=outer, plate=AT_REST, gravity=-1.0)
+    walls = Walls(LOSSY.normal, ROUGH, 1.0, 20.0)
+    scene = SPACE._replace(walls=walls, plate=AT_REST, gravity=-1.0)
     both = go(started(scene, in_space(lying, crossing)), 100_000)
     assert kinetic(both) < 1e-3
     lowest = both.rods[:, PLACE + 2] - HALF * np.abs(both.rods[:, DIRECTOR + 2])

@@ -17,7 +17,7 @@ from .vectors import along, dot, nothing, nothing_across, put, spread, times
 
 SIZE = 64  # contacts; fixed, so that the compiler knows how far apart numbers lie
 MOST = SIZE - 8  # contacts collected at most before the next pair or rod is looked at
-WIDTH = 8  # contacts that one instruction may hold, at most
+WIDTH = 4  # contacts that one instruction holds
 
 # Numbers of a contact, three of them for each vector. Input:
 GAP = 0  # 1 - overlap along the normal

@@ -190,11 +190,13 @@ def normal_force(normal, powers, half, free, light, implicit, dt):
     """F_n >= 0 of a contact with overlap > 0: (elastic - c v)/(1 + c t/M) with dashpots.
 
     `half`, `free`: velocity at which it opens, half a step before, and v, at the step but without
-    F_n; `light`: 1/M; `implicit`: t, the time for which F_n acts on v, dt/2 or 0.
+    F_n; `light`: 1/M; `implicit`: t, the time for which F_n acts on v, dt/2; None: it does not.
     """
     force, c = elastic(normal, powers), dashpot(normal, powers)
     if normal.quarter is not None or normal.proportional is not None or normal.constant is not None:
-        force = (force - c * free) / (1 + c * implicit * light)
+        force -= c * free
+        if implicit is not None:
+            force /= 1 + c * implicit * light
     if normal.plastic is not None:  # at most what stops it in this step
         force = min(force, -(2 * free - half) / (light * dt))
     return max(force, 0.0)
@@ -267,7 +269,7 @@ def before_of(normal, powers, closing, free, light, last, dt):
     """`Before` of a contact with F_n = `last` a step before; the rest as of `normal_force`."""
     since = touching(powers[0], closing, dt)
     halved = HALVED[0] * powers[0], HALVED[1] * powers[1], HALVED[2] * powers[2]
-    halfway = normal_force(normal, halved, closing, free, light, 0.0, dt)
+    halfway = normal_force(normal, halved, closing, free, light, None, dt)
     if since < dt:
         return Before(halved[0], halfway, since)
     return Before(powers[0] + closing * dt, last, since)

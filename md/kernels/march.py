@@ -56,7 +56,7 @@ from .surfaces import (
     passes,
     plate_at,
     plate_forces,
-    within,
+    wall_forces,
 )
 from .touches import Record, cleared, full, recorded
 from .vectors import IN_PLANE, IN_SPACE, along, dot, height, nothing, put, rotated
@@ -225,8 +225,7 @@ def march(effects, state, watchers, clock, steps):
         if why != DONE:
             return n, why, where
         climb = 0.5 * (plate_at(effects.plate, now.step - 1)[1] + plate[1]), plate[1]
-        where = within(effects.inner, effects, state, ledger, 1.0, climb, dt)
-        where = max(where, within(effects.outer, effects, state, ledger, -1.0, climb, dt))
+        where = wall_forces(effects.walls, effects, state, ledger, climb, dt)
         if where >= 0:
             return n, WALL_TOO_DEEP, where
         sample(watchers.series, up, rods, now.step)
@@ -259,22 +258,29 @@ def of_plate(law, upper, half, place, director, plate):
 
 
 @kernel
-def of_wall(wall, upper, half, place, director, side):
+def of_wall(radius, law, upper, half, place, director, side):
     """Elastic energy of a rod in a wall; `side`: 1 the convex wall, -1 the concave one."""
     total = 0.0
-    if wall is None:
-        return total
     for cap in range(1 if upper is None else 2):
         rho, _ = from_axis(along(place, half if cap else -half, director))
-        total += elastic_energy(wall.normal, 0.5 - side * (rho - wall.radius))
+        total += elastic_energy(law, 0.5 - side * (rho - radius))
     seen = from_above(place, director)
-    if side > 0 and passes(seen, half, wall.radius + 0.5):
+    if side > 0 and passes(seen, half, radius + 0.5):
         rho, _ = from_axis(along(place, -seen[1] / seen[2], director))
         lower, _ = from_axis(along(place, -half, director))
         upper_rho, _ = from_axis(along(place, half, director))
         share = rise((lower - rho) / NEARER)[0] * rise((upper_rho - rho) / NEARER)[0]
-        total += share * elastic_energy(wall.normal, 0.5 - rho + wall.radius)
+        total += share * elastic_energy(law, 0.5 - rho + radius)
     return total
+
+
+@kernel
+def of_walls(walls, upper, half, place, director):
+    """Elastic energy of a rod in the walls of an annulus."""
+    if walls is None:
+        return 0.0
+    total = of_wall(walls.inner, walls.normal, upper, half, place, director, 1)
+    return total + of_wall(walls.outer, walls.normal, upper, half, place, director, -1)
 
 
 @kernel
@@ -350,6 +356,5 @@ def energy(effects, rods, listed, plate, dt):
         total += 0.5 * (dot(c, c) + spinning(effects.rolling, w, director) / effects.lightness)
         total -= dot(gravity_force(effects.gravity, place), place)
         total += of_plate(effects.normal, upper, half, place, director, plate)
-        total += of_wall(effects.inner, upper, half, place, director, 1)
-        total += of_wall(effects.outer, upper, half, place, director, -1)
+        total += of_walls(effects.walls, upper, half, place, director)
     return total

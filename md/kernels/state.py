@@ -37,12 +37,13 @@ class Motion(NamedTuple):
     velocity: Any  # sqrt(g d)
 
 
-class Wall(NamedTuple):
-    """Wall of an annulus: a vertical cylinder about the axis x = y = 0."""
+class Walls(NamedTuple):
+    """Walls of an annulus: vertical cylinders about the axis x = y = 0."""
 
-    radius: float  # d
     normal: Normal
     friction: Friction | None
+    inner: float  # d; radius of the convex wall
+    outer: float  # d; of the concave one
 
 
 class Effects(NamedTuple):
@@ -60,9 +61,8 @@ class Effects(NamedTuple):
     period: float | None = None  # d; of the box along x; None: open
     up: tuple = IN_PLANE  # unit vector upwards: of two numbers in the plane, of three in space
     rolling: float | None = None  # I/I_axial - 1; None: no rotation of a rod about its axis
-    inner: Wall | None = None
-    outer: Wall | None = None
-    shaken: bool | None = None  # True: both walls move with the plate; None: they are at rest
+    walls: Walls | None = None
+    shaken: bool | None = None  # True: the walls move with the plate; None: they are at rest
 
 
 class Scratch(NamedTuple):

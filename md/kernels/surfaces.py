@@ -212,11 +212,11 @@ def collect(effects, state, n, i, at, climb, dt):
 
 
 @kernel
-def act(wall, effects, state, ledger, climb, count, dt):
-    """Compute the collected contacts of a wall and add their forces; return 0, as none is left."""
+def act(effects, state, ledger, climb, count, dt):
+    """Compute the collected contacts and add their forces to rods; return 0, as none is left."""
     total, batch = state.scratch.total, state.scratch.batch
     kept = state.forces, state.springs
-    alike = Alike(wall, ONE, inertia_of(effects), IN_SPACE, WALL_NORMAL)
+    alike = Alike(effects.walls, ONE, inertia_of(effects), IN_SPACE, WALL_NORMAL)
     acted(alike, kept, total, batch, ledger, count, dt)
     worked(effects.shaken, ledger, batch.numbers, climb[1] * dt, count)
     return 0
@@ -224,14 +224,14 @@ def act(wall, effects, state, ledger, climb, count, dt):
 
 @kernel
 def worked(shaken, ledger, numbers, climbed, count):
-    """Add the work of a shaken wall to the ledger, by friction alone: the normal is level."""
+    """Add the work of shaken walls to the ledger, by friction alone: the normal is level."""
     if shaken is not None and ledger is not None:
         for c in range(count):
             ledger[PLATE_WORK] += climbed * get(numbers, FORCE + 2, c)
 
 
 @kernel
-def beside(wall, state, i, half, s):
+def beside(law, radius, state, i, half, s):
     """`At` of rod i on the convex wall, between its ends; adds the forces that keep energy."""
     place, director = rod_of(IN_SPACE, state.rods, i)[:2]
     rho, out = from_axis(along(place, s, director))
@@ -239,10 +239,10 @@ def beside(wall, state, i, half, s):
     upper, out_u = from_axis(along(place, half, director))
     w_l, slope_l = rise((lower - rho) * (1 / NEARER))
     w_u, slope_u = rise((upper - rho) * (1 / NEARER))
-    at = At(s, rho - wall.radius, out, w_l * w_u, INNER + 2)
+    at = At(s, rho - radius, out, w_l * w_u, INNER + 2)
     if slope_l + slope_u != 0.0:
         total = state.scratch.total
-        energy = elastic_energy(wall.normal, 0.5 - at.reach) * (1 / NEARER)
+        energy = elastic_energy(law, 0.5 - at.reach) * (1 / NEARER)
         pulled = energy * (slope_l * w_u + w_l * slope_u)
         pull(total, i, times(s, director), times(pulled, out))
         pull(total, i, times(-half, director), times(-energy * slope_l * w_u, out_l))
@@ -251,41 +251,44 @@ def beside(wall, state, i, half, s):
 
 
 @kernel(inline=False)
-def wall_forces(wall, effects, state, ledger, side, climb, dt):
-    """Add the forces of a wall on all rods; return a rod that is too deep in it, or -1."""
-    rods, half, n, slot = state.rods, effects.half_length, 0, INNER if side > 0 else OUTER
-    touching = wall.radius + 0.5 * side
+def at_wall(radius, effects, state, ledger, side, climb, n, dt):
+    """Collect contacts of all rods with a wall; return their count, and a rod too deep or -1."""
+    rods, half, slot = state.rods, effects.half_length, INNER if side > 0 else OUTER
+    touching = radius + 0.5 * side
     for i in range(rods.shape[0]):
         place, director = rod_of(IN_SPACE, rods, i)[:2]
         seen = from_above(place, director)
         if n > MOST:
-            n = act(wall, effects, state, ledger, climb, n, dt)
+            n = act(effects, state, ledger, climb, n, dt)
         for cap in range(1 if effects.upper is None else 2):
             s = half if cap else -half
             if side * (beyond(seen, s) - touching**2) >= 0:
                 forget(IN_SPACE, state.forces, state.springs, i, slot + cap)
                 continue
             rho, out = from_axis(along(place, s, director))
-            reach = side * (rho - wall.radius)
+            reach = side * (rho - radius)
             if not 0.5 - reach <= DEEP:
-                return i
+                return n, i
             at = At(s, reach, times(side, out), 1.0, slot + cap)
             n = collect(effects, state, n, i, at, climb, dt)
         if side > 0:
             if passes(seen, half, touching):
-                at = beside(wall, state, i, half, -seen[1] / seen[2])
+                at = beside(effects.walls.normal, radius, state, i, half, -seen[1] / seen[2])
                 if not 0.5 - at.reach <= DEEP:
-                    return i
+                    return n, i
                 n = collect(effects, state, n, i, at, climb, dt)
             else:
                 forget(IN_SPACE, state.forces, state.springs, i, slot + 2)
-    act(wall, effects, state, ledger, climb, n, dt)
-    return -1
+    return n, -1
 
 
 @kernel
-def within(wall, effects, state, ledger, side, climb, dt):
-    """Add the forces of a wall, which may be absent; return a rod that is too deep in it, or -1."""
-    if wall is None:
+def wall_forces(walls, effects, state, ledger, climb, dt):
+    """Add the forces of the walls, if there are any; return a rod too deep in one, or -1."""
+    if walls is None:
         return -1
-    return wall_forces(wall, effects, state, ledger, side, climb, dt)
+    n, deep = at_wall(walls.inner, effects, state, ledger, 1.0, climb, 0, dt)
+    if deep < 0:
+        n, deep = at_wall(walls.outer, effects, state, ledger, -1.0, climb, n, dt)
+    act(effects, state, ledger, climb, n, dt)
+    return deep
