@@ -38,7 +38,7 @@ from .codes import (
 )
 from .contact import elastic_energy, free_turn, size, turn_by
 from .neighbours import Axes, between_ends, near_at, near_end, too_fast
-from .pairs import NEARER, ends_of, nearer, pair_forces, rise, seen_through
+from .pairs import ends_of, nearer, pair_forces, seen_through
 from .state import (
     Clock,
     field,
@@ -51,6 +51,7 @@ from .state import (
     rod_of,
 )
 from .surfaces import (
+    beside,
     from_above,
     from_axis,
     passes,
@@ -266,11 +267,8 @@ def of_wall(radius, law, upper, half, place, director, side):
         total += elastic_energy(law, 0.5 - side * (rho - radius))
     seen = from_above(place, director)
     if side > 0 and passes(seen, half, radius + 0.5):
-        rho, _ = from_axis(along(place, -seen[1] / seen[2], director))
-        lower, _ = from_axis(along(place, -half, director))
-        upper_rho, _ = from_axis(along(place, half, director))
-        share = rise((lower - rho) / NEARER)[0] * rise((upper_rho - rho) / NEARER)[0]
-        total += share * elastic_energy(law, 0.5 - rho + radius)
+        at, _, _ = beside(radius, place, director, half, -seen[1] / seen[2])
+        total += at.share * elastic_energy(law, 0.5 - at.reach)
     return total
 
 

@@ -231,23 +231,31 @@ def worked(shaken, ledger, numbers, climbed, count):
 
 
 @kernel
-def beside(law, radius, state, i, half, s):
-    """`At` of rod i on the convex wall, between its ends; adds the forces that keep energy."""
-    place, director = rod_of(IN_SPACE, state.rods, i)[:2]
+def weight_by(place, director, s, rho):
+    """Weight of a contact at `rho` from the axis by the end s of a rod, its slope, and outwards."""
+    end, out = from_axis(along(place, s, director))
+    return *rise((end - rho) * (1 / NEARER)), out
+
+
+@kernel
+def beside(radius, place, director, half, s):
+    """`At` of a rod on the convex wall, between its ends; `weight_by` its lower and upper end."""
     rho, out = from_axis(along(place, s, director))
-    lower, out_l = from_axis(along(place, -half, director))
-    upper, out_u = from_axis(along(place, half, director))
-    w_l, slope_l = rise((lower - rho) * (1 / NEARER))
-    w_u, slope_u = rise((upper - rho) * (1 / NEARER))
-    at = At(s, rho - radius, out, w_l * w_u, INNER + 2)
+    lower = weight_by(place, director, -half, rho)
+    upper = weight_by(place, director, half, rho)
+    return At(s, rho - radius, out, lower[0] * upper[0], INNER + 2), lower, upper
+
+
+@kernel
+def keep_energy(law, total, i, half, director, at, lower, upper):
+    """Add the forces on rod i by the slopes of the weight of `beside`."""
+    (w_l, slope_l, out_l), (w_u, slope_u, out_u) = lower, upper
     if slope_l + slope_u != 0.0:
-        total = state.scratch.total
         energy = elastic_energy(law, 0.5 - at.reach) * (1 / NEARER)
         pulled = energy * (slope_l * w_u + w_l * slope_u)
-        pull(total, i, times(s, director), times(pulled, out))
+        pull(total, i, times(at.s, director), times(pulled, at.out))
         pull(total, i, times(-half, director), times(-energy * slope_l * w_u, out_l))
         pull(total, i, times(half, director), times(-energy * w_l * slope_u, out_u))
-    return at
 
 
 @kernel(inline=False)
@@ -273,9 +281,11 @@ def at_wall(radius, effects, state, ledger, side, climb, n, dt):
             n = collect(effects, state, n, i, at, climb, dt)
         if side > 0:
             if passes(seen, half, touching):
-                at = beside(effects.walls.normal, radius, state, i, half, -seen[1] / seen[2])
+                at, lower, upper = beside(radius, place, director, half, -seen[1] / seen[2])
                 if not 0.5 - at.reach <= DEEP:
                     return n, i
+                law, total = effects.walls.normal, state.scratch.total
+                keep_energy(law, total, i, half, director, at, lower, upper)
                 n = collect(effects, state, n, i, at, climb, dt)
             else:
                 forget(IN_SPACE, state.forces, state.springs, i, slot + 2)
