@@ -167,7 +167,7 @@ EQUATIONS = (
         said=sp.S.Zero,
         derive=lambda: sp.cancel(
             (stationary("back")[0] - stationary("stick")[0]).subs(
-                mu, sp.solve(paper.printed("V: continuity"), mu)[0]
+                mu, only_root(paper.printed("V: continuity"), mu)
             )
         ),
     ),

@@ -187,7 +187,7 @@ def _closure_told() -> str:
     alpha = consistent_alpha()[0]
     half = sp.S.Half
     return (
-        f"{half} where $b = {sp.solve(alpha - half, bounce)[0]}$; "
+        f"{half} where $b = {only_root(alpha - half, bounce)}$; "
         f"{number(alpha.subs(bounce, upright))} for upright rods and the paper's restitution, "
         f"{number(PAPER[epsilon])}"
     )

@@ -84,7 +84,8 @@ def slopes() -> NamedForms:
 @remembered
 def _restitution() -> sp.Expr:
     """Restitution epsilon as a form in kappa."""
-    return sp.solve(meaning(kappa) - kappa, epsilon)[0]
+    (restitution,) = sp.solve(meaning(kappa) - kappa, epsilon)
+    return restitution
 
 
 def _velocity(p: sp.Expr) -> sp.Expr:

@@ -9,7 +9,7 @@ from .proof import Equation, Repair
 from .slide import by_speeds, cm_velocity, friction, stop
 from .slip_stick import stick_margin, until_parting
 from .symbols import P_1, P_z, v_1
-from .trace import derived
+from .trace import derived, only_root
 
 
 @derived("u_f", "v_f - v_1")
@@ -85,7 +85,7 @@ EQUATIONS = (
         ),
         contradicted_by=("B7", "15", "IV: restitution"),
         contradiction=lambda end, stopped, parting: (
-            sp.solve(end.subs(v_1, stopped) - parting, P_z)[0] - P_1
+            only_root(end.subs(v_1, stopped) - parting, P_z) - P_1
         ),
     ),
 )

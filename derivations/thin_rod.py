@@ -124,12 +124,12 @@ def _upper_tilt_of(condition: sp.Expr) -> sp.Expr:
 
 def _at_two(condition: sp.Expr) -> sp.Expr:
     """Friction that the printed condition gives where the tangent is 2."""
-    return sp.solve(over_tangent(condition).subs(T, 2), mu)[0]
+    return only_root(over_tangent(condition).subs(T, 2), mu)
 
 
 def _lying_slide(condition: sp.Expr) -> sp.Expr:
     """Friction at which the printed (14) ends for a thin rod at 90 degrees."""
-    return sp.solve(condition.subs(THIN).subs({phi: _FLAT, u_0: c_x, v_0: c_z}), mu)[0]
+    return only_root(condition.subs(THIN).subs({phi: _FLAT, u_0: c_x, v_0: c_z}), mu)
 
 
 _MU_C = -c_x / (4 * c_z * (1 + epsilon))

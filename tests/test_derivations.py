@@ -270,6 +270,24 @@ def test_random_points_tell_equal_from_unequal():
     assert not equality.equal_at_random_points(root, s.mu + 1 + sp.Rational(1, 10**39))
 
 
+@pytest.mark.parametrize(
+    ("function", "forms"),
+    [
+        (laws._restitution.__wrapped__, []),
+        (BY_TAG["V: continuity"].derive.__wrapped__, []),
+        (BY_TAG["V: alpha and closure"].note, []),
+        (BY_TAG["B8: text"].contradiction, [s.P_z, s.v_0, s.v_f]),
+        (BY_TAG["IV: no reversal above 3/5"].contradiction, [s.mu]),
+        (BY_TAG["IV: slide only below mu_c"].contradiction, [s.mu]),
+    ],
+)
+def test_a_second_root_is_not_dropped(function, forms, monkeypatch):
+    function(*forms)  # the steps that it takes are cached now
+    monkeypatch.setattr(sp, "solve", lambda *_, **__: [s.mu, -s.mu])
+    with pytest.raises(ValueError, match="too many values to unpack"):
+        function(*forms)
+
+
 def test_what_is_noted_is_quoted():
     noted = [entry.what for entry in registry.ENTRIES if entry.verdict == "noted"]
     assert noted == [f'"{line["quote"]}"' for line in paper.NOTED]
