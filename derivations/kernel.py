@@ -93,30 +93,35 @@ ACCURATE = {
 # ---- the code, run ------------------------------------------------------------------------------
 
 
+def _whole(code: str) -> str:
+    """The closed forms, as the file has them now, and the kernel's text."""
+    return CLOSED_FORMS.read_text("utf-8") + code
+
+
 @cache
-def _tree(code: str) -> ast.Module:
-    """Syntax tree of the closed forms and of the kernel's text, without their imports."""
-    tree = ast.parse(CLOSED_FORMS.read_text("utf-8") + code)
+def _tree(whole: str) -> ast.Module:
+    """Syntax tree of such a text, without its imports."""
+    tree = ast.parse(whole)
     tree.body = [node for node in tree.body if not isinstance(node, ast.ImportFrom)]
     return tree
 
 
 @cache
-def _compiled(code: str) -> Any:
-    return compile(_tree(code), "kernel", "exec")
+def _compiled(whole: str) -> Any:
+    return compile(_tree(whole), "kernel", "exec")
 
 
 def loaded(code: str, primitives: Values) -> Values:
     """Names of the closed forms and the kernel's text, run; its functions call these primitives."""
     space: Values = {}
-    exec(_compiled(code), space)
+    exec(_compiled(_whole(code)), space)
     space.update(primitives)
     return space
 
 
 def functions(code: str) -> list[ast.FunctionDef]:
     """Syntax trees of the functions of the closed forms and of the kernel's text."""
-    return [node for node in _tree(code).body if isinstance(node, ast.FunctionDef)]
+    return [node for node in _tree(_whole(code)).body if isinstance(node, ast.FunctionDef)]
 
 
 def choices(decide: Callable[[Any], bool]) -> Values:

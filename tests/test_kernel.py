@@ -207,6 +207,14 @@ def test_a_changed_constant_changes_the_digest(monkeypatch, tmp_path):
     assert sum(a != b for a, b in zip(before, after, strict=True)) == 1
 
 
+def test_closed_forms_are_read_again_once_they_change(monkeypatch, tmp_path):
+    changed = tmp_path / "closed_forms.py"
+    text = files.CLOSED_FORMS.read_text("utf-8").replace(files.digest(), "another")
+    changed.write_text(text, "utf-8")
+    monkeypatch.setattr(kernel, "CLOSED_FORMS", changed)
+    assert files.digest() == "another"
+
+
 def test_code_that_stops_is_no_proof(monkeypatch, tmp_path):
     changed = tmp_path / "kernel.py"
     changed.write_text(CODE.replace("return gained(", "return unknown("), "utf-8")
