@@ -288,8 +288,6 @@ class Equation:
         if self.repair:
             return self.repaired
         form = self.derive()
-        if isinstance(form, sp.Rel):
-            return form
         return form.applyfunc(tidy) if isinstance(form, sp.MatrixBase) else tidy(form)
 
 
