@@ -51,7 +51,7 @@ from ..lib.style import (
 )
 
 FLOOR_CM_S = 0.003  # half a hundredth of a diameter a second
-ONSET = 1.6  # Gamma, Fig. 2(b, c)
+ONSET = 1.6  # Gamma above which the paper's rods drift forward, Fig. 2(b)
 MAP_GAMMAS = {
     True: (1.2, 1.5, 1.8, 3.3),
     False: (1.05, 1.1, 1.2, 1.3, 1.4, 1.6, 1.8, 2.2, 2.8, 3.5),

@@ -34,10 +34,10 @@ from ..lib.style import (
     tilt_axis,
     zero_line,
 )
+from ..paper.fig02 import ONSET
 
 SHORTEST_FLIGHT = 0.01  # periods
 ALPHA_TILTS_DEG = (9, 20, 40)
-EXPERIMENT = 1.6  # Gamma above which the paper's rods drift forward, Fig. 2(c, d)
 small = partial(curve, ms=2)  # symbols of places close together
 MEASURED_FIELDS = ("alpha", "alpha_impulse", "drift", "flight", "rest")
 
@@ -142,7 +142,7 @@ def _over_gamma(axes, d):
     zero_line(a)
     b.set_ylabel(r"drift / $V_0$")
     zero_line(b)
-    b.axvline(EXPERIMENT, **DOTTED, label="experiment")
+    b.axvline(ONSET, **DOTTED, label="experiment")
     c.set(ylabel="part of the time at rest", ylim=(-0.02, 1))
     for ax in axes:
         ax.set(xlabel=r"acceleration $\Gamma$", xlim=(0.9, 5.1), xticks=range(1, 6))

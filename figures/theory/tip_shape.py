@@ -35,8 +35,8 @@ from ..lib.style import (
     tilt_axis,
     zero_line,
 )
+from ..paper.fig11 import HIGHEST
 
-HIGHEST = 20.0  # V_z; without losses a drift has no bound
 OBSERVED_DEG = 8.0  # experiment: flat-ended rods drift only above this tilt
 FLAT = SHAPE_COLOURS["flat"]
 TOLD = {"va": "center", "color": FLAT, "arrowprops": {**ARROW, "color": FLAT}}
