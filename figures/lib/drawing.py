@@ -125,6 +125,8 @@ def draw_all(
 ) -> dict[str, int]:
     """Draw figures and say so; returns the names of those that failed, and their exit codes.
 
+    A failure of the only one is raised: it is the command's, which says it once.
+
     Parameters
     ----------
     names : of the figures; those that may share the machine come first, by `jobs` processes
@@ -157,5 +159,6 @@ def draw_all(
         for name in names:
             if name not in beside:
                 bar.set_postfix_str(name)
-                told(_tried(name, out, quick, kept, own))
+                draw = _tried if len(names) > 1 else produce
+                told(draw(name, out, quick, kept, own))
     return failed
