@@ -230,10 +230,7 @@ def meets(upper, end, near, half):
 @kernel
 def rise(x):
     """Smooth step from 0 at x = 0 to 1 at x = 1, x^2 (3 - 2 x), and its slope."""
-    if x <= 0.0:
-        return 0.0, 0.0
-    if x >= 1.0:
-        return 1.0, 0.0
+    x = min(max(x, 0.0), 1.0)
     return x * x * (3.0 - 2.0 * x), 6.0 * x * (1.0 - x)
 
 
