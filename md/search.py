@@ -38,6 +38,7 @@ much shorter than those of the data bring their transient in.
 
 import csv
 import math
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import astuple, dataclass
 from functools import cached_property
@@ -486,10 +487,10 @@ def expand(tables: Mapping, base: Mapping, folder: Path = Path()) -> Search:
     if len({*names, "misfit"}) <= len(names):  # the misfit is a column beside them
         raise InputError(f"parameters must have different names other than misfit, got {names}")
     common = changes_of("set", tables.get("set", {}))
-    keys = ["start.seed", *(key for parameter in parameters for key in parameter.keys)]
-    others = {*common, *(key for target in targets for key in target.place)}
-    for key in keys:
-        if keys.count(key) > 1 or key in others:
+    places = dict.fromkeys(key for target in targets for key in target.place)
+    varied = [key for parameter in parameters for key in parameter.keys]
+    for key, times in Counter(["start.seed", *common, *places, *varied]).items():
+        if times > 1:
             raise InputError(f"{key} is set twice at once, by set, parameters, data or seeds")
     given = listed(tables.get("seeds", [1, 2])) or []
     seeds = tuple(whole("seeds", seed, 0, 2**32) for seed in given)

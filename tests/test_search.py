@@ -143,7 +143,6 @@ points = 4
 seeds = [1]
 [set]
 "rods.count" = 2
-"box.length" = 3.0
 "step.size" = 1.2e-4
 "step.coarse" = true
 [[parameters]]
