@@ -11,6 +11,7 @@ import contextlib
 import csv
 import json
 import sqlite3
+import tempfile
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -28,7 +29,6 @@ _LAST = "code", "error", "seconds", "written"  # columns at the end of all table
 _OF_RUN = "periods", "seed", *_LAST
 
 _BEGIN = f"""
-PRAGMA synchronous=FULL;
 BEGIN IMMEDIATE;
 PRAGMA application_id={_APPLICATION};
 PRAGMA user_version={_VERSION};
@@ -67,10 +67,12 @@ class Store:
 
     def __init__(self, path: str | Path, write: bool = True):
         try:
-            self.path = Path(path)
-            fresh = empty(plain(path))
+            self.path, whole = Path(path), plain(path)
+            fresh = empty(whole)
             if write:
-                self.path.parent.mkdir(parents=True, exist_ok=True)
+                whole.parent.mkdir(parents=True, exist_ok=True)
+                with tempfile.TemporaryFile(dir=whole.parent), whole.open("a"):
+                    pass  # both can be written: said now, not when the first run is lost
         except (OSError, TypeError) as error:
             raise StoreError(f"store {str(path)!r} cannot be used: {error}") from None
         if fresh and not write:
@@ -79,11 +81,11 @@ class Store:
         with self._failing("cannot be opened"):
             self.database = sqlite3.connect(uri, uri=True, timeout=_WAIT)
         try:
-            if not fresh:
-                self._recognise()
-            if write:
-                with self._failing("cannot be written"), self.database:
+            if fresh:
+                with self._failing("cannot be written"):
                     self.database.executescript(_BEGIN)
+            self._recognise()
+            self.database.execute("PRAGMA synchronous=FULL")
         except StoreError:
             self.database.close()
             raise

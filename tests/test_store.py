@@ -3,6 +3,7 @@
 import contextlib
 import os
 import shutil
+import sqlite3
 import tempfile
 from pathlib import Path
 
@@ -42,6 +43,18 @@ def test_two_writers_share_a_store(path):
         assert [row["result"]["i"] for row in one.rows()] == list(range(10))
 
 
+def test_a_store_opens_while_another_process_writes(path, monkeypatch):
+    """Only what writes waits for it."""
+    filled(path)
+    monkeypatch.setattr("md.store._WAIT", 0.0)
+    with contextlib.closing(sqlite3.connect(path)) as other:
+        other.execute("BEGIN IMMEDIATE")
+        with Store(path) as store:
+            assert store.has("k")
+            with pytest.raises(StoreError, match="cannot be written: database is locked"):
+                store.put("l", ABOUT, {"c_x": 0.5}, None)
+
+
 @contextlib.contextmanager
 def read_only():
     """A folder with a store that nobody may write, not even who runs the tests."""
@@ -67,7 +80,7 @@ def test_a_store_in_a_read_only_folder_is_read():
         with Store(folder / "a.db", write=False) as store:
             assert store.result("k") == {"c_x": 0.5}
         assert "0.5" in enter("md results", folder / "a.db").out
-        refused("a.db cannot be written", "md sweep drift --store", folder / "a.db")
+        refused("a.db' cannot be used: [Errno 13] Perm", "md sweep drift --store", folder / "a.db")
         assert names_in(folder) == {"a.db"}
 
 
