@@ -424,11 +424,11 @@ def _parameter(name: str, table: Any) -> Parameter:
 
 
 def _measured(path: Path, result: str) -> list[Target]:
-    """Read the targets of a CSV file; lines that begin with # are comments.
+    """Read the targets of a CSV file; lines whose first letter is # are comments.
 
     A row without a result is predicted: its value and its error are nan.
     """
-    lines = (line for line in text_of(path).splitlines() if line.strip() and line[0] != "#")
+    lines = (line for line in text_of(path).splitlines() if line.partition("#")[0].strip())
     try:
         heads, *rows = [[cell.strip() for cell in row] for row in csv.reader(lines)] or [[]]
     except csv.Error as why:  # a cell of a hundred thousand letters

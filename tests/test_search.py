@@ -160,9 +160,9 @@ result = "c_x"
 
 
 def test_the_command_searches_a_file(tmp_path):
-    """Of two files; a place without data is predicted, its value, which JSON lacks, is null."""
+    """Of two files. A comment is no row; the value of a place without data is null in JSON."""
     (tmp_path / "fit.toml").write_text(FILE)
-    (tmp_path / "drift.csv").write_text("box.length,c_x,error\n3.0,,\n")
+    (tmp_path / "drift.csv").write_text("\n # asked\nbox.length,c_x,error\n3.0,,\n")
     (tmp_path / "tilt_deg.csv").write_text("box.length,tilt_deg,error\n3.0,45,5\n")
     asked = "md search --workers 1", tmp_path / "fit.toml", "--store", tmp_path / "runs.db"
     told = json.loads(enter(*asked, "--json").out, parse_constant=pytest.fail)
