@@ -1,16 +1,14 @@
 """Sweeps: axes become points, points are computed once, and nothing that was finished is lost."""
 
+import os
 import signal
-import threading
 import time
 import tomllib
 from dataclasses import replace
 from unittest.mock import MagicMock
 
 import numpy as np
-import psutil
 import pytest
-from joblib.externals.loky import get_reusable_executor
 from numpy.random import default_rng
 
 import md
@@ -199,25 +197,20 @@ def test_a_run_that_fails_is_recorded_and_stops_no_other(tmp_path, path):
 
 def test_a_dead_worker_ends_the_sweep_and_the_next_one_goes_on(path, reference):
     """To the bits of one process."""
-    sweep, _ = reference
-    get_reusable_executor().shutdown(wait=True)
+    me, sweep = os.getpid(), reference[0]
 
-    def kill():
-        """Kill the first worker process that appears."""
-        me = psutil.Process()
-        while True:
-            for child in me.children(recursive=True):
-                if "popen_loky" in " ".join(child.cmdline()):
-                    time.sleep(0.3)
-                    child.kill()
-                    return
-            time.sleep(0.02)
+    class Deadly(Point):
+        """Its run kills the worker."""
 
-    killer = threading.Thread(target=kill, daemon=True)
-    killer.start()
+        @property
+        def length(self):
+            if os.getpid() != me:
+                os.kill(os.getpid(), signal.SIGKILL)
+            return super().length
+
+    deadly = Deadly(sweep.points[-1].scene, sweep.points[-1].periods)
     with pytest.raises(RunError, match=r"a worker process died, .* the same command goes on$"):
-        execute(sweep, path, workers=2)
-    killer.join()
+        execute(replace(sweep, points=(*sweep.points[:-1], deadly)), path, workers=2)
     execute(sweep, path, workers=2)
     assert gathered(sweep, path) == gathered(*reference)
 
