@@ -44,7 +44,7 @@ import warnings
 from _thread import interrupt_main
 from collections import ChainMap
 from collections.abc import Callable, Generator, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -366,21 +366,22 @@ def pool(tasks: list, workers: int, **how: Any) -> Iterator[Generator[Any, None,
     RunError
         If a worker dies.
     """
-    results: Any = None
-    # what joblib's process that cleans up would say after a signal, below our one line
-    os.environ.setdefault("PYTHONWARNINGS", "ignore:resource_tracker")
-    warnings.filterwarnings("ignore", "A worker stopped")  # one that idled; another takes its place
-    try:
-        with deferred():  # half a pool would leave semaphores behind
-            results = Parallel(workers, batch_size=1, return_as="generator_unordered", **how)(tasks)
-        yield results
-    except TerminatedWorkerError:
-        again = "what was finished is kept: the same command goes on"
-        raise RunError(f"a worker process died, for want of memory perhaps; {again}") from None
-    finally:
-        with warnings.catch_warnings(action="ignore"):
-            if results is not None:
-                results.close()
+    with warnings.catch_warnings(), ExitStack() as ending:
+        warnings.filterwarnings("ignore", "A worker stopped")  # it idled; another takes its place
+        if "PYTHONWARNINGS" not in os.environ:
+            # what joblib's process that cleans up would say after a signal, below our one line
+            os.environ["PYTHONWARNINGS"] = "ignore:resource_tracker"
+            ending.callback(os.environ.pop, "PYTHONWARNINGS")
+        try:
+            with deferred():  # half a pool would leave semaphores behind
+                made = Parallel(workers, batch_size=1, return_as="generator_unordered", **how)
+                results = made(tasks)
+                ending.callback(results.close)
+                ending.callback(warnings.simplefilter, "ignore")
+            yield results
+        except TerminatedWorkerError:
+            again = "what was finished is kept: the same command goes on"
+            raise RunError(f"a worker process died, for want of memory perhaps; {again}") from None
 
 
 @dataclass

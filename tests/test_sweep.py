@@ -4,6 +4,7 @@ import os
 import signal
 import time
 import tomllib
+import warnings
 from dataclasses import replace
 from unittest.mock import MagicMock
 
@@ -213,6 +214,13 @@ def test_a_dead_worker_ends_the_sweep_and_the_next_one_goes_on(path, reference):
         execute(replace(sweep, points=(*sweep.points[:-1], deadly)), path, workers=2)
     execute(sweep, path, workers=2)
     assert gathered(sweep, path) == gathered(*reference)
+
+
+def test_a_sweep_leaves_warnings_and_environment_as_they_were(path, monkeypatch):
+    monkeypatch.delenv("PYTHONWARNINGS", raising=False)
+    before = warnings.filters.copy(), os.environ.copy()
+    assert execute(expand({"periods": 5}, BASE), path, workers=1).computed == 1
+    assert (warnings.filters, os.environ.copy()) == before
 
 
 # The command
