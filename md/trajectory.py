@@ -132,17 +132,12 @@ def is_trajectory(path: Path) -> bool:
 
 def _in_space(rods: np.ndarray, rolling: float = 0.0) -> Iterator[tuple]:
     """Place, quaternion, velocity, angular velocity and tilt [deg] of each rod."""
-    for row in rods.tolist():
-        if len(row) == 7:
-            x, z, sine, cosine, c_x, c_z, omega = row
-            phi = atan2(sine, cosine)
-            turn = 0.0, sin(phi / 2), 0.0, cos(phi / 2)
-            yield (x, 0.0, z), turn, (c_x, 0.0, c_z), (0.0, omega, 0.0), degrees(phi)
-            continue
-        a, b, c = director = np.array(row[DIRECTOR:VELOCITY])
-        spin = row[TURN:] + rolling * np.dot(row[TURN:], director) * director
-        across = hypot(a, b)
+    plane = rods.shape[1] == 7
+    for row in np.insert(rods, [1, 3, 5, 6, 7] if plane else [], 0.0, axis=1):
+        a, b, c = director = row[DIRECTOR:VELOCITY]
+        across = a if plane else hypot(a, b)  # in a row tilts have a sign
         phi = atan2(across, c)
         part = sin(phi / 2) / (across or 1.0)
-        turn = -b * part, a * part, 0.0, cos(phi / 2)
+        turn = 0.0 - b * part, a * part, 0.0, cos(phi / 2)
+        spin = row[TURN:] + rolling * np.dot(row[TURN:], director) * director
         yield row[PLACE:DIRECTOR], turn, row[VELOCITY:TURN], spin, degrees(phi)
