@@ -99,15 +99,14 @@ def _estimate(parameter: Any, estimate: dict[str, float]) -> dict[str, Any]:
     return {"parameter": parameter.name, **estimate, "note": note}
 
 
-def _table(rows: Sequence[Mapping]) -> list[str]:
-    """Lines of a table with the columns of the first row."""
-    names = [*rows[0]]
-    cells = [names, *([_cell(row.get(name)) for name in names] for row in rows)]
-    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
-    return [
-        "  ".join(text.rjust(width) for text, width in zip(line, widths, strict=True))
-        for line in cells
-    ]
+def _table(rows: Sequence[Mapping], names: Iterable[str] = ()) -> list[str]:
+    """Lines of a table with the columns of these names, or those of the first row."""
+    columns = []
+    for name in names or rows[0]:
+        cells = [name, *(_cell(row.get(name)) for row in rows)]
+        width = max(map(len, cells))
+        columns.append([cell.rjust(width) for cell in cells])
+    return [*map("  ".join, zip(*columns, strict=True))]
 
 
 def store_text(columns: Iterable[str], rows: Sequence[dict[str, Any]]) -> str:
@@ -117,7 +116,7 @@ def store_text(columns: Iterable[str], rows: Sequence[dict[str, Any]]) -> str:
     brief = [*differing, "c_x", "c_x_stderr", "c_x_cm_s", "tilt_deg", "periods", "seconds"]
     brief += ["accuracy.state", "error"]
     brief = [c for c in brief if any(row.get(c) is not None for row in rows)]
-    return "\n".join(_table([{c: row.get(c) for c in brief} for row in rows]))
+    return "\n".join(_table(rows, brief))
 
 
 def _cell(value: object) -> str:
