@@ -43,7 +43,6 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import astuple, dataclass
 from functools import cached_property
 from itertools import combinations_with_replacement, product
-from operator import itemgetter
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -267,11 +266,7 @@ class Found:
         if near.sum() < _ENOUGH * (len(search.parameters) + 1):
             return Estimates({}, np.empty((0, 0)), [], math.nan)
         inside = 2 * (self.parts[near] - low) / (high - low) - 1
-        surfaces = [_surface(inside, results) for results in self.results[near].T]
-
-        def predicted(places: np.ndarray) -> np.ndarray:
-            """Results at the targets and their variances, (2, n, targets)."""
-            return np.array([surface(places) for surface in surfaces]).transpose(1, 2, 0)
+        predicted = _surfaces(inside, self.results[near])
 
         def unlikely(places: np.ndarray) -> np.ndarray:
             """Misfit with a term that grows where little is known, which would fit anything."""
@@ -333,49 +328,50 @@ def _at_targets(given: Search, sweep: Sweep, store: str | Path) -> np.ndarray:
 # ---- from results to estimates ------------------------------------------------------------------
 
 
-def _surface(
-    places: np.ndarray, results: np.ndarray
-) -> Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]:
-    """Polynomial of coordinates between -1 and 1, fitted to a result.
+def _surfaces(places: np.ndarray, results: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+    """Polynomials of coordinates between -1 and 1, one fitted to each result.
 
-    Its degree is the one with which each point is best told from the others. It may be off at any
-    place by as much as it misses these points then: how far a result is from a polynomial does not
-    average out, and what else scatters them is not told from that.
+    The degree of each is the one with which its points are best told from the others. It may be off
+    at any place by as much as it misses these points then: how far a result is from a polynomial
+    does not average out, and what else scatters them is not told from that.
 
     Parameters
     ----------
     places : (n, coordinates), enough for a polynomial of degree 1
-    results : (n,)
+    results : (n, targets)
 
     Returns
     -------
-    Function of places, (n, coordinates), that gives the values of the polynomial and their
-    variances, (n,) each.
+    Function of places, (m, coordinates), that gives the values of the polynomials and their
+    variances, (2, m, targets).
     """
-    found = []
+    fits = []
     for degree in _DEGREES:
         terms = _terms(places, degree)
         if len(results) >= _ENOUGH * terms.shape[1]:
             inverse = np.linalg.pinv(terms)
+            weights = inverse @ results
             left = 1 - np.einsum("ij,ji->i", terms, inverse)
-            off = (results - terms @ (inverse @ results)) / np.maximum(left, 1e-9)
-            found.append((float(np.sqrt(np.mean(off**2))), degree, inverse))
-    scatter, degree, inverse = min(found, key=itemgetter(0))
-    weights, spread = inverse @ results, inverse @ inverse.T
+            off = (results - terms @ weights) / np.maximum(left, 1e-9)[:, None]
+            fits.append((degree, weights, inverse @ inverse.T, np.mean(off**2, axis=0)))
+    best = np.argmin([scatter for *_, scatter in fits], axis=0)
 
-    def surface(places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        terms = _terms(places, degree)
-        variance = scatter**2 * (1 + np.sum(terms @ spread * terms, axis=1))
-        return terms @ weights, variance
+    def predicted(places: np.ndarray) -> np.ndarray:
+        found = []
+        for degree, weights, spread, scatter in fits:
+            terms = _terms(places, degree)
+            wider = 1 + np.sum(terms @ spread * terms, axis=1)
+            found.append((terms @ weights, np.outer(wider, scatter)))
+        return np.choose(best, found)
 
-    return surface
+    return predicted
 
 
 def _terms(places: np.ndarray, degree: int) -> np.ndarray:
     """Products of up to `degree` coordinates, a column each; the first one is 1."""
-    coordinates = range(places.shape[1])
-    powers = [c for d in range(degree + 1) for c in combinations_with_replacement(coordinates, d)]
-    return np.column_stack([places[:, list(c)].prod(axis=1) for c in powers])
+    factors = np.insert(places, 0, 1.0, axis=1)  # by ones, products of fewer coordinates
+    chosen = [*combinations_with_replacement(range(factors.shape[1]), degree)]
+    return factors.take(chosen, axis=1).prod(axis=2)
 
 
 def _draws(misfit: Callable[[np.ndarray], np.ndarray], coordinates: int) -> np.ndarray:
