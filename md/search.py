@@ -261,12 +261,11 @@ class Found:
     def estimates(self) -> Estimates:
         """Estimates near the best point: means over draws with weights exp(-misfit/2)."""
         search, (low, high) = self.search, self.box
-        near = ((self.parts >= low) & (self.parts <= high)).all(axis=1)
-        near &= np.isfinite(self.results).all(axis=1)
+        inside = 2 * (self.parts - low) / (high - low) - 1
+        near = (np.abs(inside) <= 1).all(axis=1) & np.isfinite(self.results).all(axis=1)
         if near.sum() < _ENOUGH * (len(search.parameters) + 1):
             return Estimates({}, np.empty((0, 0)), [], math.nan)
-        inside = 2 * (self.parts[near] - low) / (high - low) - 1
-        predicted = _surfaces(inside, self.results[near])
+        predicted = _surfaces(inside[near], self.results[near])
 
         def unlikely(places: np.ndarray) -> np.ndarray:
             """Misfit with a term that grows where little is known, which would fit anything."""
@@ -322,7 +321,7 @@ def _at_targets(given: Search, sweep: Sweep, store: str | Path) -> np.ndarray:
     for target, results in zip(given.targets, found, strict=True):
         if results.shape != sweep.shape or results.dtype != float:
             raise InputError(f"data ask for {target.result}, which is no number")
-    return np.stack([results[:, i] for i, results in enumerate(found)], axis=1)
+    return np.einsum("tpts->pts", found).copy()  # of each target's results those at its own place
 
 
 # ---- from results to estimates ------------------------------------------------------------------
