@@ -435,18 +435,16 @@ def _measured(path: Path, result: str) -> list[Target]:
     for count, row in enumerate(rows, 1):
         where = f"{path}, row {count}"
         try:
-            if "nan" in ",".join(row).lower():  # an empty cell asks, a failed measurement does not
-                raise ValueError
             cells = dict(zip(heads, (float(cell or "nan") for cell in row), strict=True))
         except ValueError:
             wanted = f"{len(heads)} numbers or empty cells"
             raise InputError(f"{where}, must have {wanted}, got {', '.join(row)}") from None
         value, error = cells.pop(result), cells.pop("error")
-        if math.isnan(value):
-            error = math.nan
-        else:
-            finite(f"{where}, {result}", value)
+        if row[heads.index(result)]:
+            finite(f"{where}, {result}", value)  # an empty cell asks, a failed measurement does not
             positive(f"{where}, error", error)
+        else:
+            error = math.nan
         place = {key: int(x) if x.is_integer() else x for key, x in cells.items()}
         targets.append(Target(place, result, value, error))
     return targets
@@ -477,10 +475,9 @@ def expand(tables: Mapping, base: Mapping, folder: Path = Path()) -> Search:
     ranges = held("parameters", tables.get("parameters", []), list)
     parameters = tuple(_parameter(f"parameters[{i}]", table) for i, table in enumerate(ranges))
     names = [parameter.name for parameter in parameters]
-    if not names:
-        raise InputError("parameters must be one or more, got none")
-    if len({*names, "misfit"}) <= len(names):  # the misfit is a column beside them
-        raise InputError(f"parameters must have different names other than misfit, got {names}")
+    if not names or len({*names, "misfit"}) <= len(names):  # the misfit is a column beside them
+        wanted = "one or more, with different names other than misfit"
+        raise InputError(f"parameters must be {wanted}, got {names}")
     common = changes_of("set", tables.get("set", {}))
     places = dict.fromkeys(key for target in targets for key in target.place)
     varied = [key for parameter in parameters for key in parameter.keys]
