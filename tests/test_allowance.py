@@ -72,15 +72,22 @@ def found(scene, per_contact):
 
 
 def judged(scene):
-    """A scene's errors; None where a run has not settled, or starts are in several states."""
+    """A scene's errors; None where a run has not settled, or starts are in several states.
+
+    Annuli have states enough: of runs to 3 % there are none.
+    """
     how = {"tolerance": 0.03, "max_seconds": 60, "ledger": False}
-    runs = [md.run(seeded(scene, seed), **how) for seed in (1, 2, 3)]
+    seeds = (1, 2, 3) if scene.annulus is None else ()
+    runs = [md.run(seeded(scene, seed), **how) for seed in seeds]
     if any(run.accuracy.state == "not settled" for run in runs):
         return None
     rule, truth = (found(scene, times * STEPS_PER_CONTACT) for times in (1, FINER))
+    if not (rule.settled and truth.settled):
+        return None
     if max(rule.statistical, truth.statistical) > 2 * ACCURATE * abs(truth.mean):
         return None
-    errors, stated = np.transpose([(run.c_x - truth.mean, run.accuracy.error) for run in runs])
+    pairs = [(run.c_x - truth.mean, run.accuracy.error) for run in runs]
+    errors, stated = np.reshape(pairs, (-1, 2)).T
     return Judged(
         bias=rule.mean / truth.mean - 1,
         bias_error=np.hypot(rule.statistical, truth.statistical) / abs(truth.mean) / 1.96,
