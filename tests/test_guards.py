@@ -162,13 +162,13 @@ INNER, OUTER = 5.0, 40.0  # radii of walls
 def test_m10_no_wall_is_entered_beyond_the_soft_overlap(inner, director, friction, speed, every):
     """A rod thrown at a wall, squarely or not, by side or cap, comes back slower than it came."""
     room, side = 0.52 + abs(HALF * unit(director)[0]), 1 if inner else -1
-    place = INNER + room if inner else OUTER - room - 1
+    radius, place = (INNER, INNER + room) if inner else (OUTER, OUTER - room - 1)
     walls = Walls(LOSSY.normal, friction, INNER, OUTER)
     thrown = (place, 0, 0), director, (-side * speed, 0.2 * speed, 0.1 * speed)
     flying = started(SPACE._replace(walls=walls), in_space(thrown))
     deepest, energy = -np.inf, kinetic(flying)
     for _ in range(int(2.5 / speed / 1e-4 / every)):
-        reach = side * (radii(go(flying, every).rods) - walls[2 if inner else 3])
+        reach = side * (radii(go(flying, every).rods) - radius)
         deepest = max(deepest, 0.5 - reach.min())
     assert 0 < deepest < 1.05 * deepest_overlap(LOSSY, 1.05 * speed)
     assert kinetic(flying) < energy
