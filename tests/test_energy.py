@@ -261,7 +261,7 @@ def lively():
 
 WALLED = between_walls(**LOSSLESS)._replace(**LOSSLESS, plate=AT_REST, gravity=-1.0)
 MET = SPACE._replace(between=ELASTIC_RODS)
-ALONG = in_space(((EXPERIMENT.inner + 0.49, 0, 10), (0.001, 0.05, 1), (-0.3, 0.5, 0)))
+ALONG = in_space(((EXPERIMENT.inner + 0.49, 0, 10), (0.001, 0.22, 1), (-0.3, 0.5, 0)))
 IN_SPACE = {
     "crowd": (WALLED, lively()),
     "along the wall": (WALLED, ALONG),
