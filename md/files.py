@@ -73,6 +73,19 @@ def text_of(path: str | Path) -> str:
         raise InputError(f"{path}: cannot be read ({why})") from None
 
 
+def tried(whole: Path) -> None:
+    """Try whether a file, and its folder, can be written; neither is changed.
+
+    Raises
+    ------
+    OSError
+        If one cannot.
+    """
+    there = next(folder for folder in whole.parents if folder.exists())
+    with tempfile.TemporaryFile(dir=there), whole.open("a") if whole.exists() else nullcontext():
+        pass
+
+
 def writable(
     name: str, path: str | Path, kind: Callable[[Path], bool] | None = None, what: str = ""
 ) -> Path:
@@ -96,9 +109,7 @@ def writable(
     """
     try:
         path, whole = Path(path), plain(path)
-        there = next(folder for folder in whole.parents if folder.exists())
-        with tempfile.TemporaryFile(dir=there), path.open("a") if path.exists() else nullcontext():
-            pass
+        tried(whole)
         fits = kind is None or empty(path) or kind(path)
     except (OSError, TypeError) as error:
         why = getattr(error, "strerror", None) or error

@@ -435,16 +435,18 @@ def _measured(path: Path, result: str) -> list[Target]:
     for count, row in enumerate(rows, 1):
         where = f"{path}, row {count}"
         try:
+            if "nan" in ",".join(row).lower():  # an empty cell asks, a failed measurement does not
+                raise ValueError
             cells = dict(zip(heads, (float(cell or "nan") for cell in row), strict=True))
         except ValueError:
             wanted = f"{len(heads)} numbers or empty cells"
             raise InputError(f"{where}, must have {wanted}, got {', '.join(row)}") from None
         value, error = cells.pop(result), cells.pop("error")
-        if row[heads.index(result)]:
-            finite(f"{where}, {result}", value)  # an empty cell asks, a failed measurement does not
-            positive(f"{where}, error", error)
-        else:
+        if math.isnan(value):
             error = math.nan
+        else:
+            finite(f"{where}, {result}", value)
+            positive(f"{where}, error", error)
         place = {key: int(x) if x.is_integer() else x for key, x in cells.items()}
         targets.append(Target(place, result, value, error))
     return targets

@@ -11,14 +11,13 @@ import contextlib
 import csv
 import json
 import sqlite3
-import tempfile
 import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 from .domains import InputError, held
-from .files import empty, plain, replacing, writable
+from .files import empty, plain, replacing, tried, writable
 from .scene import flat
 from .units import in_cm
 
@@ -70,9 +69,8 @@ class Store:
             self.path, whole = Path(path), plain(path)
             fresh = empty(whole)
             if write:
+                tried(whole)  # now, not when the first run is lost
                 whole.parent.mkdir(parents=True, exist_ok=True)
-                with tempfile.TemporaryFile(dir=whole.parent), whole.open("a"):
-                    pass  # both can be written: said now, not when the first run is lost
         except (OSError, TypeError) as error:
             raise StoreError(f"store {str(path)!r} cannot be used: {error}") from None
         if fresh and not write:

@@ -261,10 +261,14 @@ def lively():
 
 WALLED = between_walls(**LOSSLESS)._replace(**LOSSLESS, plate=AT_REST, gravity=-1.0)
 MET = SPACE._replace(between=ELASTIC_RODS)
-ALONG = in_space(((EXPERIMENT.inner + 0.49, 0, 10), (0.001, 0.22, 1), (-0.3, 0.5, 0)))
+ALONG, LEANING = (  # where it leans more, the weight of its contact between the ends has a slope
+    in_space(((EXPERIMENT.inner + 0.49, 0, 10), (0.001, lean, 1), (-0.3, 0.5, 0)))
+    for lean in (0.05, 0.22)
+)
 IN_SPACE = {
     "crowd": (WALLED, lively()),
     "along the wall": (WALLED, ALONG),
+    "leaning on the wall": (WALLED, LEANING),
     "ends that meet": (MET, near_ends(8.45, 0.01)),
     "crossing at an end": (MET, near_ends(5.6, 0.7)),
 }

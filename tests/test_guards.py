@@ -11,7 +11,7 @@ from numpy.testing import assert_array_equal
 
 import md
 from md.host import plate_motion, prepare
-from md.kernels import touches
+from md.kernels import codes, touches
 from md.kernels.codes import (
     DEEP,
     DIRECTOR,
@@ -176,13 +176,16 @@ def test_m10_no_wall_is_entered_beyond_the_soft_overlap(inner, director, frictio
 
 
 def test_a_rod_pressed_between_shaken_walls_moves_with_them():
-    """Their friction moves it, without the plate, and its work is the kinetic energy."""
+    """Friction of both moves it alike, without the plate; its work is the kinetic energy."""
     walls = Walls(LOSSY.normal, ROUGH._replace(coefficient=10.0), 5.0, 5.99)
     quarter = 20_000
     turn = np.arange(4 * quarter) * pi / 2 / quarter
     plate = Motion(np.full(4 * quarter, -1e3), 0.2 * np.sin(turn))
     rod = started(SPACE._replace(walls=walls, plate=plate), in_space(((5.495, 0, 0), (0, 0, 1))))
-    assert go(rod, quarter).rods[0, VELOCITY + 2] == pytest.approx(0.2, rel=2e-3)
+    rubs = go(rod, quarter // 2).state.forces[0, :, 3]
+    inner, outer = (rubs[slot : slot + 2].sum() for slot in (codes.INNER, codes.OUTER))
+    assert 0 < inner == pytest.approx(outer, rel=1e-3)
+    assert go(rod, quarter // 2).rods[0, VELOCITY + 2] == pytest.approx(0.2, rel=2e-3)
     assert rod.ledger[PLATE_WORK] == pytest.approx(0.2**2 / 2, rel=4e-3)
 
 
