@@ -41,7 +41,6 @@ files                               impact/_generated.py, EQUATIONS.md; writing 
 typeset, lecture                    formulas as LaTeX and MathML; text, letters (lecture.toml);
                                     numbers of the notes, and words only where they are true
 steps, drawings                     the steps for a reader; drawings as SVG
-early_signals                       signals during imports
 lookup                              `equation`, `function`: one entry by its tag
 report, __main__, command_line      the report, from templates/; the commands
 
@@ -71,7 +70,7 @@ impact/_generated.py and EQUATIONS.md, `report` shows it.
 How it becomes public stands in `help(impact)`.
 """
 
-from . import early_signals  # noqa: F401  (before slow imports)
+from . import command_line  # noqa: F401  (before slow imports)
 
 # isort: split
 import os

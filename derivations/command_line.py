@@ -1,6 +1,8 @@
 """A group of commands that end with an exit code and, where they fail, one line of standard error.
 
-The same file stands in `derivations`, `figures` and `md`.
+The first import of each package with commands: Ctrl-C while the others go on ends a command at
+once, as nothing was begun; SIGTERM does so by itself. The same file stands in `derivations`,
+`figures` and `md`.
 """
 
 import io
@@ -10,6 +12,10 @@ import sys
 from collections.abc import Callable, Sequence
 from types import FrameType
 from typing import Any, NoReturn
+
+# ["-m"]: Python imports the package of a command.
+if sys.argv[:1] == ["-m"] and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 import click
 
@@ -42,11 +48,6 @@ class Commands(click.Group):
     one is a mistake of ours: its traceback is shown.
     """
 
-    def __init__(self, *arguments: Any, **options: Any):
-        shown = {"max_content_width": 100, "show_default": True}
-        options |= {"no_args_is_help": False, "context_settings": shown}
-        super().__init__(*arguments, **options)
-
     def main(self, args: Sequence[str] | None = None, **_: Any) -> int:  # type: ignore[override]
         """Run one command; returns the exit code."""
         context = None
@@ -54,7 +55,9 @@ class Commands(click.Group):
             if sys.stdout is None:
                 raise OSError("standard output is closed")
             words = sys.argv[1:] if args is None else args
-            with self.make_context(self.name, list(words)) as context:
+            with self.make_context(  # settings that its commands inherit
+                self.name, list(words), max_content_width=100, show_default=True
+            ) as context:
                 context.call_on_close(sys.stdout.flush)
                 return self.invoke(context) or 0
         except click.exceptions.Exit as end:  # help was asked for

@@ -50,7 +50,7 @@ _store = _path("--store", "SQLite file of the runs (default rows.db in --out).")
 _quick = click.option("--quick", is_flag=True, help="Coarse grids, short runs, for a first look.")
 
 
-@click.group(cls=Commands, name="python -m figures")
+@click.group(cls=Commands, name="python -m figures", no_args_is_help=False)
 @click.version_option(package_name="rod-impact", message="%(package)s %(version)s")
 def main() -> None:
     """List and draw the figures, animate a scene, judge the claims, show all of it.

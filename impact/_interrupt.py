@@ -1,7 +1,7 @@
 """Signals held back until a compilation or a call of compiled code has ended.
 
 A handler that raises in the midst of a compilation leaves Numba with half a function, or is lost
-in a callback of LLVM. `md.interrupt` is a twin: neither package imports the other.
+in a callback of LLVM. `md.cache.deferred` is a twin: neither package imports the other.
 """
 
 import signal

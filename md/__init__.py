@@ -35,7 +35,7 @@ the kernels (`md.laws`).
 
 `LAWS` holds the contact laws and `INTEGRATORS` the names of the methods, both for one impact. Many
 runs along axes are `md.sweep`, parameters from measurements `md.search`, results in `md.store`, the
-touches of a run one by one `md.records`, its frames `md.trajectory`.
+touches of a run one by one, and its frames, `md.records`.
 
 Reduced units throughout: rod diameter d, mass of a rod and gravity are 1; scenes take cm, cm/s and
 Hz as well, and `Scene.cm_per_s` is one unit of velocity. Nothing here is taken from the theory of
@@ -45,28 +45,27 @@ Files, as one reads them
 ------------------------
 scene, units, laws                  what is there: `Scene`, also in cm and Hz; contact laws, rods
 domains                             values held to what is allowed; errors
-kernels/codes                       stop codes, columns, regimes
 kernels/vectors, contact            compiled: the forces of every contact, in the plane and in space
 kernels/state, march                compiled: rods of a row or an annulus, their steps, their energy
 kernels/neighbours                  compiled: closest points of rods; which rods may touch
 kernels/batch, pairs, surfaces      compiled: contacts side by side; of rods, with plate and walls
-kernels/touches, single             compiled: touches of the plate; one rod alone
-soft_impact                         `impact`: every switch located, or fixed steps
+kernels/touches                     compiled: touches of the plate
+soft_impact                         `impact`: one rod by these steps, or every switch located
 host, placement                     the engine of a scene: arrays of the kernels, initial places
-measures, records                   means and errors of a run; its touches one by one
+measures                            means and errors of a run
 result                              the result of a run, as numbers and as text
-simulation, trajectory, files       a run: periods, checkpoints, frames, files
+records                             touches of a run one by one; its frames
+simulation, files                   a run: periods, checkpoints, files
 accuracy                            `run`: step and length from a tolerance
 sweep, store                        many runs and their results; what a store's columns are
 search                              parameters from measured results, by many runs
-early_signals, interrupt            signals during imports, and during compiled code
 cache                               stored compiled kernels; what decides whether a run is stale
-command_line, __main__              the commands
+command_line, __main__              the commands, and signals from the first import on
 
-To add a contact law: `md.laws`. To add an effect: `md.kernels`.
+To add a contact law: `md.laws`. To add an effect: `md.kernels`, where stop codes and columns are.
 """
 
-from . import early_signals  # noqa: F401  (before slow imports)
+from . import command_line  # noqa: F401  (before slow imports)
 
 # isort: split
 from importlib import import_module

@@ -1,6 +1,5 @@
 """Command line of the molecular dynamics, `python -m md --help`, and its results as text."""
 
-import inspect
 import json
 import signal
 import sys
@@ -14,12 +13,12 @@ from typing import Any
 import click
 
 from . import accuracy, soft_impact
+from .cache import deferred
 from .command_line import Commands
 from .domains import InputError
-from .interrupt import deferred
 from .laws import LAWS, Law, Rod
 from .result import finite, result_json
-from .scene import keys, load
+from .scene import keys, load, options_of
 from .soft_impact import Impact
 from .store import table, write_csv
 from .units import TWINS
@@ -56,15 +55,15 @@ def tally_text(tally: Any) -> str:
 
 def search_json(found: Any) -> dict[str, Any]:
     """A search for JSON: points with misfits, best first; estimates; data and predictions."""
-    search, told = found.search, found.estimates
+    search, told, best = found.search, found.estimates, found.misfits.argmin()
     runs = zip(found.parts.tolist(), found.misfits.tolist(), strict=True)
     points = [{**search.values(parts), "misfit": misfit} for parts, misfit in runs]
     targets = []
     for i, target in enumerate(search.targets):
-        table = {**target.place, **target._asdict(), "best": float(found.results[found.best, i])}
+        table = {**target.place, **target._asdict(), "best": float(found.results[best, i])}
         del table["place"]
         if told.results:
-            table |= {"predicted": told.results[i].value, "uncertainty": told.results[i].error}
+            table["predicted"], table["uncertainty"] = told.results[i]
         targets.append(table)
     return {
         "points": sorted(points, key=itemgetter("misfit")),
@@ -78,10 +77,16 @@ def search_json(found: Any) -> dict[str, Any]:
 
 def search_text(found: Any) -> str:
     """Text of a search: best points, estimates, and the results at the data."""
-    told, data = search_json(found), sum(target.error > 0 for target in found.search.targets)
+    told = search_json(found)
+    data = sum(not isnan(target.value) for target in found.search.targets)
     lines = [tally_text(found.tally), "", "best points", *_table(told["points"][:8])]
-    if estimates := told["estimates"]:
-        rows = [*map(_estimate, found.search.parameters, estimates.values())]
+    if estimates := found.estimates.parameters:
+        rows = []
+        for name, _, low, high, _ in found.search.parameters:
+            value, error = estimates[name]
+            within = low + 2 * error < value < high - 2 * error
+            note = "" if within else f"reaches an end of its range, {low:g} to {high:g}"
+            rows.append({"parameter": name, "value": value, "error": error, "note": note})
         lines += ["", "estimates, with standard errors", *_table(rows)]
         lines.append(f"least misfit  {told['least_misfit']:.3g}, of {data} data")
         if told["least_misfit"] > data + 4 * sqrt(2 * data):
@@ -89,14 +94,6 @@ def search_text(found: Any) -> str:
     else:
         lines += ["", "too few points near the best one for estimates: more points or rounds"]
     return "\n".join([*lines, "", "data", *_table(told["targets"])])
-
-
-def _estimate(parameter: Any, estimate: dict[str, float]) -> dict[str, Any]:
-    """Row of an estimate, with a note where an end of the range cuts it off."""
-    low, high, reach = parameter.low, parameter.high, 2 * estimate["error"]
-    within = low + reach < estimate["value"] < high - reach
-    note = "" if within else f"reaches an end of its range, {low:g} to {high:g}"
-    return {"parameter": parameter.name, **estimate, "note": note}
 
 
 def _table(rows: Sequence[Mapping], names: Iterable[str] = ()) -> list[str]:
@@ -149,7 +146,7 @@ def _many_runs(command: Callable) -> Callable:
     return command
 
 
-@click.group(cls=Commands, name="python -m md")
+@click.group(cls=Commands, name="python -m md", no_args_is_help=False)
 @click.version_option(package_name="rod-impact", message="%(package)s %(version)s")
 def main() -> None:
     """Molecular dynamics of rods on a plate: one impact, a scene, a sweep of scenes.
@@ -188,8 +185,8 @@ def main() -> None:
 @click.option(
     "--integrator",
     type=click.Choice(soft_impact.INTEGRATORS),
-    default="leapfrog",
-    help="Fixed steps, or every switch located (dop853).",
+    default="verlet",
+    help="The steps of rows, or every switch located (dop853).",
 )
 @_number("--dt", help="Step (default a hundredth of the contact time, or less to be stable).")
 @_number("--tolerance", help="Of dop853 (default 1e-13).")
@@ -203,7 +200,7 @@ def impact(as_json: bool, **given: Any) -> None:
 
     \b
     python -m md impact --tilt-deg 20 --friction 0.4 --restitution 0.65 --c-x 0.5 --c-z -1
-    python -m md impact --tilt-deg 60 --c-x 0.5 --c-z -1 --law appendix_a --integrator gear --json
+    python -m md impact --tilt-deg 60 --c-x 0.5 --c-z -1 --law appendix_a --json
     """
     law = _law(given)
     hit = soft_impact.impact(
@@ -227,11 +224,11 @@ def _given(options: dict[str, Any], *names: str) -> dict[str, Any]:
 
 def _law(given: dict[str, Any]) -> Law:
     """Make the contact law of the options given; options that it does not take are refused."""
-    make = LAWS[given["law"]]
+    law = given["law"]
     options = _given(given, "stiffness", "tangential_ratio", "restitution")
-    for name in options.keys() - inspect.signature(make).parameters.keys():
-        raise InputError(f"{name} has no meaning under {given['law']}, got {options[name]:g}")
-    return make(**options)
+    for name in options.keys() - options_of(law):
+        raise InputError(f"{name} has no meaning under {law}, got {options[name]:g}")
+    return LAWS[law](**options)
 
 
 @main.command(epilog=_KEYS)

@@ -12,6 +12,7 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from functools import partial
+from inspect import signature
 from math import hypot, inf, isfinite, nan
 from threading import Event
 from time import perf_counter
@@ -92,15 +93,15 @@ def interval(
     calm, drifts, fell = True, [], 0
     for drift, falls in starts:
         n = len(drift)
-        first = min(int(np.clip(transient(n), least, most)), n // 2)
-        cut = settled(first, drift, falls)
-        calm = calm and cut is not None
-        cut = n // 2 if cut is None else cut
+        cut = settled(min(max(transient(n), least), most, n // 2), drift, falls)
+        if cut is None:
+            calm, cut = False, n // 2
         drifts.append(drift[cut:])
         fell += int(falls[cut:].sum())
     sizes = np.array([*map(len, drifts)])
+    total = int(sizes.sum())
     if sizes.min() < FEWEST:
-        mean = float(np.concatenate(drifts).mean()) if sizes.sum() else nan
+        mean = float(np.concatenate(drifts).mean()) if total else nan
         return Interval(mean, inf, inf, nan, False, fell)
     means = np.array([drift.mean() for drift in drifts])
     errors = np.array([*map(standard_error, drifts)])
@@ -108,9 +109,9 @@ def interval(
         halves = [np.array_split(drift, 2) for drift in drifts]
         change = [abs(early.mean() - late.mean()) / 2 for early, late in halves]
         errors = np.hypot(errors, change)
-    part = sizes / sizes.sum()
+    part = sizes / total
     mean, error = float(part @ means), float(np.sqrt(np.sum((part * errors) ** 2)))
-    freedom, chance, others = int(sizes.sum()) // PER_FREEDOM, nan, len(starts) - 1
+    freedom, chance, others = total // PER_FREEDOM, nan, len(starts) - 1
     if others:
         off = (means - mean) / np.maximum(errors, 1e-300)
         chance = float(chdtrc(others, np.sum(off**2)))
@@ -172,7 +173,6 @@ class _Goal:
     max_seconds: float
     starts: int = STARTS  # with the fine step; if the bias is measured, as many have longer ones
     annulus: bool = False
-    over: bool = False
     needed: float = nan  # seconds in all
     end: float = inf  # time of the clock at which to end; set by the first look
 
@@ -183,10 +183,11 @@ class _Goal:
 
     def look(self, histories: list[np.ndarray]) -> None:
         """Estimate the drift from all starts."""
+        self.made = sum(one.shape[1] for one in histories)
         find = partial(interval, confidence=self.confidence, annulus=self.annulus)
-        fine, longer = histories[: self.starts], histories[self.starts :]
-        self.doubled, self.made = bool(longer), sum(one.shape[1] for one in histories)
-        self.found = measured(find(fine), find(longer)) if longer else allowed(find(fine))
+        fine, longer = find(histories[: self.starts]), histories[self.starts :]
+        self.doubled = bool(longer)
+        self.found = measured(fine, find(longer)) if longer else allowed(fine)
 
     @property
     def size(self) -> float:
@@ -199,20 +200,22 @@ class _Goal:
         return self.found.settled and self.found.error <= self.tolerance * self.size
 
     def judge(self, histories: list[np.ndarray], seconds: float) -> int:
-        """Judge whether the goal is over; return the periods of each start by the next look.
+        """Periods of each start by the next look; 0 if the goal is over.
 
         Starts are judged by as many periods each.
         """
         made = min(one.shape[1] for one in histories)
         self.look([one[:, :made] for one in histories])
-        room = (self.tolerance * self.size) ** 2 - self.found.bias_error**2
-        wanted = inf if room <= 0 else made * self.found.statistical**2 / room
+        found = self.found
+        room = (self.tolerance * self.size) ** 2 - found.bias_error**2
+        wanted = inf if room <= 0 else made * found.statistical**2 / room
         self.needed = wanted / made * seconds
-        hopeless = self.needed > 2 * self.max_seconds and made >= 2 * self.first
-        hopeless = hopeless and (self.found.settled or room <= 0)
-        late = seconds > self.max_seconds
-        self.over = self.reached or hopeless or late or made >= MOST_PERIODS_OF_A_START
-        if not self.found.settled:
+        known = made >= 2 * self.first and (found.settled or room <= 0)
+        hopeless = known and self.needed > 2 * self.max_seconds
+        late = seconds > self.max_seconds or made >= MOST_PERIODS_OF_A_START
+        if self.reached or hopeless or late:
+            return 0
+        if not found.settled:
             wanted = UNSETTLED * made
         grown = np.clip(wanted, GROWTH[0] * made, GROWTH[1] * made) + 1
         return int(min(grown, MOST_PERIODS_OF_A_START))
@@ -240,7 +243,7 @@ def pursued(goal: _Goal, runs: list[Run]) -> Result:
             stack.enter_context(running)
         pressed = stack.enter_context(interruptible())
         begin, periods = perf_counter(), goal.first
-        while not goal.over:
+        while periods:
             _together(runs, periods, lambda: pressed() or perf_counter() > goal.end)
             histories = [running.history() for running in runs]
             if pressed():
@@ -248,7 +251,7 @@ def pursued(goal: _Goal, runs: list[Run]) -> Result:
                 break
             goal.end = begin + goal.max_seconds
             periods = goal.judge(histories, perf_counter() - begin)
-        return runs[0].result(goal.over)
+        return runs[0].result(not periods)
 
 
 def steps_per_contact(scene: Scene, dt: float) -> float:
@@ -330,9 +333,8 @@ def run(
         raise InputError(f"scene must be a md.Scene, as md.load gives, got {scene!r}")
     own: dict[str, Any] = {"confidence": confidence, "floor": floor, "max_seconds": max_seconds}
     if tolerance is None:
-        usual = {"confidence": CONFIDENCE, "max_seconds": MAX_SECONDS, "measure_bias": False}
         for name, value in (own | {"workers": workers, "measure_bias": measure_bias}).items():
-            if value != usual.get(name):
+            if value != signature(run).parameters[name].default:
                 raise InputError(f"{name} has no meaning without tolerance")
         return simulation.run(scene, **options)
     checked(tolerance=tolerance, periods=options.get("periods"), **own)
@@ -341,8 +343,7 @@ def run(
         raise InputError("checkpoint has no meaning with tolerance: it holds one start alone")
     fine, doubled = stepped(scene, tolerance, measure_bias=measure_bias)
     floor = FLOOR * scene.plate_speed if floor is None else floor
-    in_annulus = scene.annulus is not None
-    goal = _Goal(tolerance, confidence, floor, max_seconds, starts, in_annulus)
+    goal = _Goal(tolerance, confidence, floor, max_seconds, starts, scene.annulus is not None)
     result = pursued(goal, starts_of(fine, starts, doubled, options))
     stderr = goal.found.statistical / float(ndtri((1 + confidence) / 2))
     stderr = stderr if isfinite(stderr) else nan
@@ -362,10 +363,9 @@ def starts_of(scene: Scene, starts: int, doubled: bool, options: dict[str, Any])
         assert scene.step.size is not None
         longer = replace(scene.step, size=2 * scene.step.size)
         scenes += [replace(one, step=longer) for one in scenes]
-    alike = {"ledger": options.get("ledger", True)}  # another kernel would have to be compiled
-    first, *others = scenes
-    runs = [Run(first, MOST_PERIODS_OF_A_START, **options)]
-    return runs + [Run(one, MOST_PERIODS_OF_A_START, **alike) for one in others]
+    ledger = options.get("ledger", True)  # else another kernel would have to be compiled
+    runs = [Run(scenes[0], MOST_PERIODS_OF_A_START, **options)]
+    return runs + [Run(one, MOST_PERIODS_OF_A_START, ledger=ledger) for one in scenes[1:]]
 
 
 def checked(*, periods: int | None = None, **options: float | None) -> None:

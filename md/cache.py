@@ -18,11 +18,13 @@ import hashlib
 import multiprocessing
 import os
 import shutil
-import tempfile
+import signal
+import threading
 import time
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
 from functools import cache, partial
+from importlib.util import resolve_name
 from pathlib import Path
 from pickle import UnpicklingError
 from typing import Any
@@ -31,11 +33,10 @@ import numba
 from numba.core.caching import NullCache
 
 from .files import warn
-from .interrupt import deferred
 
 RUN = "accuracy"  # module where a run begins
 # Imported by a run, without a part in its numbers.
-APART = {"cache", "files", "interrupt", "trajectory"}
+APART = {"cache", "files", "records"}
 _LEFT_OUT = {"annotation", "ctx", "kind", "msg", "returns", "type_comment", "type_params"}
 
 
@@ -51,23 +52,18 @@ def read(folder: Path) -> dict[str, bytes]:
 SOURCES = read(Path(__file__).parent)  # what this process runs, whatever is edited meanwhile
 
 
-def imported(module: str) -> set[str]:
-    """Modules of this package that a module imports, also within functions."""
-    return _named(module, SOURCES[module]) & SOURCES.keys()
-
-
 @cache
-def _named(module: str, source: bytes) -> set[str]:
-    """Modules of this package, and names in them, that the source of a module imports."""
+def imported(module: str, source: bytes) -> set[str]:
+    """Modules of this package, and names in them, that a module imports, also in functions."""
     folders = {name.rpartition(".")[0] for name in SOURCES}
-    here = module.split(".") if module in folders else module.split(".")[:-1]
+    folder = module if module in folders else module.rpartition(".")[0]
     found = set()
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.ImportFrom) and node.level:
-            above = here[: len(here) + 1 - node.level]
-            name = ".".join([*above, *filter(None, [node.module])])
-            found |= {name, *(f"{name}.{alias.name}".lstrip(".") for alias in node.names)}
-    return found
+            relative = "." * node.level + (node.module or "")
+            name = resolve_name(relative, f"md.{folder}".rstrip("."))
+            found |= {name, *(f"{name}.{alias.name}" for alias in node.names)}
+    return {name.removeprefix("md.") for name in found}
 
 
 @cache
@@ -84,7 +80,7 @@ def used(*roots: str) -> tuple[str, ...]:
         module = todo.pop()
         if module not in found | APART:
             found.add(module)
-            todo |= imported(module)
+            todo |= imported(module, SOURCES[module]) & SOURCES.keys()
     return tuple(sorted(found))
 
 
@@ -151,9 +147,33 @@ def digest_of_kernels() -> str:
     """Digest of the bytes of all files with compiled functions, and of the modules they use."""
     roots = (name for name, source in SOURCES.items() if b"\n@kernel" in source)
     content = hashlib.sha256(SOURCES["cache"])
-    for module in used(*sorted(roots)):
+    for module in used(*roots):
         content.update(module.encode() + b"\0" + SOURCES[module] + b"\0")
     return content.hexdigest()[:12]
+
+
+# A handler that raises in the midst of a compilation leaves Numba with half a function, or is lost
+# in a callback of LLVM. `impact._interrupt` has the same: neither package imports the other.
+SIGNALS = signal.SIGINT, signal.SIGTERM, signal.SIGALRM
+
+
+@contextmanager
+def deferred() -> Iterator[None]:
+    """Hold back the `SIGNALS` that Python handles; their handlers run at the end. May be nested."""
+    noted = set()
+
+    def handle(number: int) -> None:
+        if number in noted:
+            signal.raise_signal(number)
+
+    with ExitStack() as stack:  # one handler that raises keeps none of the others from running
+        if threading.current_thread() is threading.main_thread():  # no other one runs handlers
+            for number in SIGNALS:
+                if callable(usual := signal.getsignal(number)):
+                    stack.callback(handle, number)
+                    stack.callback(signal.signal, number, usual)
+                    signal.signal(number, lambda n, _: noted.add(n))
+        yield
 
 
 _KEPT = 30 * 86400  # seconds an unused folder of other sources is kept
@@ -162,15 +182,13 @@ _OPTIONS = {"error_model": "numpy", "_nrt": False, "no_cfunc_wrapper": True, "no
 
 @cache
 def directory() -> Path | None:
-    """Folder for the compiled kernels of these sources; None if no file can be written there."""
+    """Folder for the compiled kernels of these sources; None if there can be none."""
     try:
         chosen = numba.config.CACHE_DIR or os.environ.get("XDG_CACHE_HOME")
         home = Path(chosen or Path.home() / ".cache") / "rod-impact"
         folder = home / digest_of_kernels()
         folder.mkdir(parents=True, exist_ok=True)
         folder.touch()
-        with tempfile.TemporaryFile(dir=folder):
-            pass
         for other in home.iterdir():
             with suppress(FileNotFoundError):  # another process has removed it
                 if other != folder and time.time() - other.stat().st_mtime > _KEPT:

@@ -7,7 +7,8 @@ mistake of this package.
 import html
 import re
 from collections.abc import Mapping
-from functools import cache
+from dataclasses import is_dataclass
+from functools import cache, partial
 from math import inf
 from operator import index
 from types import NoneType
@@ -51,19 +52,10 @@ def number(name: str, value: Any, low: float, high: float, domain: str = "") -> 
     return found
 
 
-def positive(name: str, value: object) -> float:
-    """`value` as a float, > 0 and finite."""
-    return number(name, value, 5e-324, 1.7e308, "> 0 and finite")
-
-
-def not_negative(name: str, value: object) -> float:
-    """`value` as a float, >= 0 and finite."""
-    return number(name, value, 0.0, 1.7e308, ">= 0 and finite")
-
-
-def finite(name: str, value: object) -> float:
-    """`value` as a finite float."""
-    return number(name, value, -1.7e308, 1.7e308, "finite")
+# Functions of name and value.
+positive = partial(number, low=5e-324, high=1.7e308, domain="> 0 and finite")
+not_negative = partial(number, low=0.0, high=1.7e308, domain=">= 0 and finite")
+finite = partial(number, low=-1.7e308, high=1.7e308, domain="finite")
 
 
 def whole(name: str, value: object, low: int, high: int) -> int:
@@ -132,10 +124,8 @@ def held(name: str, value: Any, hint: Any) -> Any:
     return value
 
 
-@cache
-def hints(kind: Any) -> dict[str, Any]:
-    """Type hints of a class, by the names of its fields."""
-    return get_type_hints(kind, include_extras=True)
+# Type hints of a class, by the names of its fields.
+hints = cache(partial(get_type_hints, include_extras=True))
 
 
 def in_notebook(thing: object) -> str:
@@ -151,6 +141,28 @@ class Part:
         key = getattr(kind, "KEY", f"{kind.__name__.lower()}.")
         for name, hint in hints(kind).items():
             object.__setattr__(self, name, held(f"{key}{name}", getattr(self, name), hint))
+
+
+def as_dict(part: Any) -> Any:
+    """A scene, or a part, as plain dictionaries; absent parts are left out."""
+    if is_dataclass(part):
+        values = vars(part)
+    elif hasattr(part, "_asdict"):
+        values = part._asdict()
+    else:
+        return part
+    return {name: as_dict(value) for name, value in values.items() if value is not None}
+
+
+def flat(tables: Mapping, prefix: str = "") -> dict[str, Any]:
+    """Nested tables as one table with dotted names."""
+    found: dict[str, Any] = {}
+    for key, value in tables.items():
+        if isinstance(value, dict):
+            found |= flat(value, f"{prefix}{key}.")
+        else:
+            found[f"{prefix}{key}"] = value
+    return found
 
 
 def _between(low: float, high: float) -> str:

@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from .domains import InputError, RunError
-from .kernels.batch import no_contacts
-from .kernels.codes import (
+from .domains import InputError, RunError, as_dict, flat
+from .kernels import (
     ANNULUS_LEDGER,
     ANNULUS_SERIES,
     C_X,
     C_Z,
+    COSINE,
     DEEP,
     DIRECTOR,
     DONE,
@@ -27,9 +27,9 @@ from .kernels.codes import (
     PAIR_TOO_DEEP,
     PLACE,
     ROW_COLUMNS,
-    ROW_DIRECTION,
     ROW_SERIES,
     SAMPLES_A_PERIOD,
+    SINE,
     SLOTS,
     SPACE_COLUMNS,
     TOO_DEEP,
@@ -40,15 +40,16 @@ from .kernels.codes import (
     X,
     Z,
 )
+from .kernels.batch import no_contacts
 from .kernels.contact import ContactForces
 from .kernels.march import Series, Watchers, energy, march
-from .kernels.neighbours import PAIR, nothing_listed
+from .kernels.neighbours import nothing_listed
 from .kernels.state import Clock, Effects, Motion, Scratch, State, Walls
 from .kernels.touches import Record, new_record
 from .kernels.vectors import IN_SPACE
 from .laws import Rod, contact_time, effects_of, friction_of, largest_step
 from .placement import placed
-from .scene import GAP, Annulus, Contact, Scene, as_dict, flat
+from .scene import GAP, Annulus, Contact, Scene
 
 STEPS_PER_CONTACT = 24  # at twice the plate's peak velocity
 _MOST_STEPS = 10**7  # of a period
@@ -75,7 +76,7 @@ def stable_step(scene: Scene) -> tuple[float, float]:
     ValueError
         If a contact is too soft.
     """
-    rod, speed, coarse, found = _rod(scene), scene.impact_speed, scene.step.coarse, []
+    rod, speed = _rod(scene), scene.impact_speed
     light, half = 1 / rod.gyration_squared, rod.half_length
     along = (half + 0.5) ** 2 * light
     across = half**2 * light
@@ -92,16 +93,17 @@ def stable_step(scene: Scene) -> tuple[float, float]:
         "wall": (along, across, caps, caps),
         "rods": (*between, pressed),
     }
+    limits, times = [], []
     for name, (along, across, caps, late) in near.items():
-        if (contact := getattr(scene.contacts, name)) is None:
-            continue
-        friction, key = contact.friction > 0 and not coarse, f"contacts.{name}."
-        load = speed, along, across, "verlet", caps
-        rods = name == "rods"
-        limit = largest_step(contact.law, friction, *load, late=late, rods=rods, key=key)
-        found.append((limit, contact_time(contact.law, speed)))
-    limits, times = zip(*found or [(np.inf, 0.05)], strict=True)
-    return min(limits), min(times)
+        contact = getattr(scene.contacts, name)
+        if contact is not None:
+            rubs = contact.friction > 0 and not scene.step.coarse
+            load = rubs, speed, along, across, caps
+            key = f"contacts.{name}."
+            limit = largest_step(contact.law, *load, late=late, rods=name == "rods", key=key)
+            limits.append(limit)
+            times.append(contact_time(contact.law, speed))
+    return min(limits, default=np.inf), min(times, default=0.05)
 
 
 def step_of(scene: Scene) -> tuple[float, int]:
@@ -153,7 +155,7 @@ class Engine:
 
     @property
     def rods(self) -> np.ndarray:
-        """State of the rods, one row each; columns in `kernels.codes`."""
+        """State of the rods, one row each; columns in `kernels`."""
         return self.state.rods
 
     @property
@@ -163,7 +165,7 @@ class Engine:
 
     @property
     def ledger(self) -> np.ndarray | None:
-        """Work and losses so far, in m g d; columns in `kernels.codes`; None without an account."""
+        """Work and losses so far, in m g d; columns in `kernels`; None without an account."""
         return self.watchers.ledger
 
     @property
@@ -188,48 +190,33 @@ class Engine:
         RunError
             If the state stops being finite or a contact is deeper than d/2.
         """
-        made = 0
+        made, finite = 0, np.isfinite(self.rods).all(axis=1)
+        if not finite.all():
+            raise self._stopped(NOT_FINITE, int(np.argmin(finite)))
         while True:
-            finite = np.isfinite(self.rods).all(axis=1)
-            if not finite.all():
-                raise RunError(*self._stopped(NOT_FINITE, int(np.argmin(finite))))
             watchers, clock = self.watchers._replace(series=series), Clock(self.step, self.dt)
             part, begin = min(self.pace, steps - made), perf_counter()
             done, why, where = march(self.effects, self.state, watchers, clock, part)
             if done:
                 wanted = done * CALL_SECONDS / max(perf_counter() - begin, 1e-9)
-                most = min(4 * self.pace, _MOST_A_CALL // len(self.rods))
-                self.pace = max(min(int(wanted), most), 1)
+                most = _MOST_A_CALL // len(self.rods)
+                self.pace = max(min(int(wanted), 4 * self.pace, most), 1)
             self.step += done
             made += done
             if why == FULL_LIST:
-                self._grow()
+                self.restore(self.arrays(), self.step, room=2)
             elif why not in (DONE, FULL_RECORD):
-                raise RunError(*self._stopped(why, where))
+                raise self._stopped(why, where)
             elif why == FULL_RECORD or made == steps:
                 return made
 
-    def _grow(self) -> None:
-        """Double the capacity of the list of pairs."""
-        listed: Any = self.state.listed
-        longer = {
-            name: np.append(array, np.zeros_like(array), axis=1)
-            for name in ("index", "springs", "forces")
-            if (array := getattr(listed, name)) is not None
-        }
-        found = np.zeros((longer["index"].shape[1], 3), np.int64)
-        self.state = self.state._replace(
-            listed=listed._replace(asleep=np.zeros((len(found), PAIR + 1)), **longer),
-            scratch=self.state.scratch._replace(found=found),
-        )
-
-    def _stopped(self, why: int, where: int) -> tuple[str, np.ndarray]:
-        """Message that says what ended the run early, and a copy of the state."""
+    def _stopped(self, why: int, where: int) -> RunError:
+        """Error that says what ended the run early, with a copy of the state."""
         at = f"at t = {self.step / self.per:.6g} periods (step {self.step} of {self.dt:g})"
         state, listed = self.rods.copy(), self.state.listed
         if why == PAIR_TOO_DEEP and listed is not None:
             i, j, *_ = listed.index[listed.turn[0], where]
-            return f"rods {i} and {j}: more than {DEEP} d deep in each other {at}", state
+            return RunError(f"rods {i} and {j}: more than {DEEP} d deep in each other {at}", state)
         if why == TOO_FAST:  # by upper bounds of the speeds of all points
             _, _, velocity, turn = (np.linalg.norm(part, axis=1) for part in self._parts(state))
             where = int(np.argmax(velocity + self.effects.half_length * turn))
@@ -239,15 +226,15 @@ class Engine:
             WALL_TOO_DEEP: f"more than {DEEP} d deep in a wall",
             TOO_FAST: f"moved more than {DEEP / 2} d in a step",
         }
-        return f"rod {where}: {what[why]} {at}", state
+        return RunError(f"rod {where}: {what[why]} {at}", state)
 
     def energy(self) -> float:
         """Kinetic, potential and elastic energy half a step ago, in m g d."""
-        between = 0.0  # height of the plate then
+        height = 0.0  # of the plate then
         if self.plate is not None:
-            heights = (self.plate.height[(self.step + s) % self.per] for s in (-1, 0))
-            between = sum(heights) / 2
-        return float(energy(self.effects, self.rods, self.state.listed, float(between), self.dt))
+            steps = self.step - 1, self.step
+            height = self.plate.height.take(steps, mode="wrap").mean()
+        return float(energy(self.effects, self.rods, self.state.listed, height, self.dt))
 
     def _parts(self, rods: np.ndarray) -> list[np.ndarray]:
         """Places, directors, velocities and turns in an array of rods."""
@@ -258,13 +245,18 @@ class Engine:
         """Arrays that change as the run goes on, by dotted name; without scratch arrays."""
         return flat(as_dict(self.state) | {"scratch": {}} | as_dict(self.watchers))
 
-    def restore(self, arrays: dict[str, np.ndarray], step: int) -> None:
-        """Take over the arrays and the step of another run of the same scene."""
+    def restore(self, arrays: dict[str, np.ndarray], step: int, room: int = 1) -> None:
+        """Take over the arrays and the step of another run of the same scene.
+
+        `room`: factor by which the list of pairs is to be longer than in that run.
+        """
         self.step = step
-        while (listed := self.state.listed) and listed.index.shape != arrays["listed.index"].shape:
-            self._grow()
+        if self.state.listed is not None:
+            pairs = room * arrays["listed.index"].shape[1]
+            self.state = at_start(self.effects, self.rods, pairs)
         for name, value in self.arrays().items():
-            value[...] = arrays[name]
+            there = tuple(map(slice, arrays[name].shape))
+            value[there] = arrays[name]
 
 
 def _rods_in_row(scene: Scene, lowest: float) -> np.ndarray:
@@ -276,7 +268,7 @@ def _rods_in_row(scene: Scene, lowest: float) -> np.ndarray:
     rods = np.zeros((n, ROW_COLUMNS), order="F")
     rods[:, X] = (np.arange(n) + 0.5) * spacing
     rods[:, Z] = lowest + 0.5 + half * abs(cos(tilt)) + GAP + scene.start.drop
-    rods[:, ROW_DIRECTION] = sin(tilt), cos(tilt)
+    rods[:, SINE : COSINE + 1] = sin(tilt), cos(tilt)
     rods[:, C_X : C_Z + 1] = _velocities(scene, np.tile([1.0, 0.0], (n, 1)))
     return rods
 
@@ -301,8 +293,8 @@ def _velocities(scene: Scene, along: np.ndarray) -> np.ndarray:
     A mean would last: where friction is small, nothing else would be measured. `along`: a unit
     vector for each rod, in the direction in which rods drift.
     """
-    random = np.random.default_rng(scene.start.seed)
-    velocity = scene.start.speed * random.uniform(-1, 1, along.shape)
+    velocity = np.random.default_rng(scene.start.seed).uniform(-1, 1, along.shape)
+    velocity *= scene.start.speed
     return velocity - (velocity * along).sum(axis=1).mean() * along
 
 
@@ -328,23 +320,27 @@ def all_effects(scene: Scene, per: int) -> Effects:
     )
 
 
-def at_start(effects: Effects, rods: np.ndarray) -> State:
-    """`State` of rods before their first contact."""
+def at_start(effects: Effects, rods: np.ndarray, pairs: int | None = None) -> State:
+    """`State` of rods before their first contact.
+
+    `pairs`: of them that a list has room for; None: 8 a rod, and 56.
+    """
     n, space, between = len(rods), len(effects.up) == 3, effects.between
     walls = effects.walls
-    rubs = [rub for rub in (effects.friction, walls and walls.friction) if rub]
+    rubs = effects.friction, walls and walls.friction
     slots, part, columns = (SLOTS, 3, 6) if space else (2, 1, 3)
     order: Any = "C" if space else "F"  # the faster order; an array of one rod in a row has both
-    listed, place, found, capacity = None, None, None, 8 * n + 56
+    listed = place = found = None
     if between is not None:
-        listed = nothing_listed(n, capacity, between.friction is not None, space)
-        place, found = np.zeros(n), np.zeros((capacity, 3), np.int64)
+        pairs = pairs or 8 * n + 56
+        listed = nothing_listed(n, pairs, between.friction is not None, space)
+        place, found = np.zeros(n), np.zeros((pairs, 3), np.int64)
     batch = no_contacts() if between or walls else None
     return State(
         rods=rods,
         before=np.zeros((n, columns), order=order),
-        forces=np.zeros((n, slots, 1 + part)) if rubs or walls else None,
-        springs=np.zeros((n, slots, part)) if any(rub.spring for rub in rubs) else None,
+        forces=np.zeros((n, slots, 1 + part)) if effects.normal or walls else None,
+        springs=np.zeros((n, slots, part)) if any(rub and rub.spring for rub in rubs) else None,
         listed=listed,
         scratch=Scratch(np.zeros((n, columns), order=order), np.zeros(n), place, found, batch),
     )
@@ -368,7 +364,7 @@ def prepare(scene: Scene, *, ledger: bool = True, touches: bool = True) -> Engin
     effects, gap = all_effects(scene, per), scene.annulus
     lowest = effects.plate.height[0] if effects.plate else 0.0
     rods = _rods_in_annulus(scene, gap, lowest) if gap else _rods_in_row(scene, lowest)
-    record = new_record(len(rods), 4096) if touches and effects.normal else None
+    record = new_record(len(rods), 4096 + len(rods)) if touches and effects.normal else None
     columns = ANNULUS_LEDGER if gap else LEDGER_COLUMNS
     watchers = Watchers(np.zeros(columns) if ledger else None, record, None)
     return Engine(scene, effects, at_start(effects, rods), watchers, effects.plate, dt, per)

@@ -29,14 +29,14 @@ from typing import Annotated, Literal, NamedTuple
 
 from scipy.optimize import brentq
 
-from .domains import InputError, Part, held, not_negative, number, positive
-from .kernels.codes import DEEP
+from .domains import InputError, Part, as_dict, flat, held, not_negative, number, positive
+from .kernels import DEEP
 from .kernels.contact import Friction, Normal, Spring
 from .kernels.state import Effects, Motion
 
 STIFFNESS = 5e6  # k_n of Appendix A in m g/d^(3/2)
 _MOST_DAMPING = 1e100  # beyond it numbers may overflow
-_STIFFNESSES = "normal.stiffness", "spring.proportional", "spring.root"  # more than zero
+_STIFFNESSES = "spring.proportional", "spring.root"  # more than zero
 
 
 @dataclass(frozen=True)
@@ -71,14 +71,12 @@ class Law(Part):
             raise InputError(f"normal.plastic must be True or None, got {normal.plastic!r}")
         if spring is not None and spring.proportional is spring.root is None:
             raise InputError("spring must have a stiffness, proportional or root")
-        numbers = {f"normal.{k}": v for k, v in normal._asdict().items() if k != "plastic"}
-        numbers |= {f"spring.{k}": v for k, v in spring._asdict().items()} if spring else {}
-        for name, value in numbers.items():
-            if value is not None or name == "normal.stiffness":
-                if name in _STIFFNESSES:
-                    positive(name, value)
-                else:
-                    number(name, value, 0.0, _MOST_DAMPING)
+        positive("normal.stiffness", normal.stiffness)
+        for name, value in flat(as_dict(self)).items():
+            if name in _STIFFNESSES:
+                positive(name, value)
+            elif "." in name and name != "normal.plastic":
+                number(name, value, 0.0, _MOST_DAMPING)
 
 
 def head_on_restitution(damping_ratio: float) -> float:
@@ -100,8 +98,6 @@ def head_on_restitution(damping_ratio: float) -> float:
 def damping_ratio(restitution: float) -> float:
     """Damping ratio zeta that gives a head-on restitution, 0 < restitution <= 1."""
     e = number("restitution", restitution, 1e-6, 1.0)
-    if e == 1:
-        return 0.0
     return brentq(lambda zeta: head_on_restitution(zeta) - e, 0.0, 1 / sqrt(e), xtol=1e-15)
 
 
@@ -208,17 +204,12 @@ def contact_time(law: Law, speed: float) -> float:
     return 2.943275 * deepest_overlap(law, speed) / speed
 
 
-# (a, b) of the stability limit K_n dt^2 + a C_n dt = b, stiffness and dashpot constant per mass.
-_STABLE = {"leapfrog": (2.0, 4.0), "verlet": (4.0, 4.0), "gear": (4.0, 0.64)}
-
-
 def largest_step(
     law: Law,
     friction: bool,
     speed: float,
     along: float,
     across: float,
-    method: str = "leapfrog",
     caps: int = 1,
     *,
     late: int | None = None,
@@ -227,16 +218,13 @@ def largest_step(
 ) -> float:
     """Largest stable step for an impact at this speed, in sqrt(d/g).
 
-    With stiffness K_n and dashpot C_n of the normal force per mass, at the deepest overlap, a step
-    is stable up to K_n dt^2 + 2 C_n dt = 4 under leapfrog and K_n dt^2 + 4 C_n dt = 0.64 under
-    Gear's method (which, without any dashpot, still gains 8e-3 in amplitude a step there). Verlet's
-    method solves for the dashpots of a contact. Of n contacts that see each other a step late, it
-    only extrapolates those of the others: K_n dt^2 + 4 (1 - 1/n) C_n dt = 4. Friction adds
+    K_n and C_n are stiffness and dashpot of the normal force per mass, at the deepest overlap. The
+    dashpot of a contact is solved for. Of n contacts that see each other a step late, those of the
+    others are extrapolated: K_n dt^2 + 4 (1 - 1/n) C_n dt = 4 is the limit. Friction adds
 
     - 1.1 K_t dt^2 over a plate, whose dashpots are solved for,
     - (19/16 - 11/(32 n)) K_t dt^2 + 4 (1 - 1/n) C_t dt of n contacts with a wall,
     - 8/3 K_t dt^2 + 2 C_t dt of up to four contacts of rods, each solved for three alike,
-    - K_t dt^2 + C_t dt under Gear's method,
 
     each right to two percent or on the safe side for contacts that slip alike.
 
@@ -246,7 +234,6 @@ def largest_step(
     friction : whether there is any
     speed : of the approach, > 0
     along, across : largest Z^2/k^2 and X^2/k^2 of a contact
-    method : "leapfrog", "verlet" or "gear"
     caps : how many are pressed at once; several push and turn the rod together
     late : n, number of contacts that see each other a step late; None: caps over a plate, where
         only the lower one sees the other late, as 4/3 contacts would
@@ -258,24 +245,20 @@ def largest_step(
     ValueError
         If the contact is too soft.
     """
-    normal, d, others, part, rubs = law.normal, deepest_overlap(law, speed), 1.0, 1.1, 0.0
+    normal, d, part, rubs = law.normal, deepest_overlap(law, speed), 1.1, 0.0
     if not d < DEEP / 2:
         soft = f"{key}stiffness {normal.stiffness:g} is too soft for an impact at {speed:.3g}"
         raise InputError(f"{soft}: overlap {d:.2g} d")
-    if method == "gear":
-        part, rubs = 1.0, 1.0
-    elif method == "verlet":
-        others = 1 - (1 / late if late else 3 / (2 + caps))
-        if rods:
-            part, rubs = 8 / 3, 2.0
-        elif late:
-            part, rubs = 19 / 16 - 11 / (32 * late), 4 * others
+    others = 1 - (1 / late if late else 3 / (2 + caps))
+    if rods:
+        part, rubs = 8 / 3, 2.0
+    elif late:
+        part, rubs = 19 / 16 - 11 / (32 * late), 4 * others
     light = 1 + across if caps == 1 else 2 * max(1.0, across)
     stiff = 1.5 * normal.stiffness * sqrt(d) * light
     dash = (normal.quarter or 0.0) * sqrt(sqrt(d) / (1 + across)) * light
     dash += ((normal.proportional or 0.0) * d + (normal.constant or 0.0)) * light
-    a, b = _STABLE[method]
-    dash *= a * others
+    dash *= 4 * others
     if friction and law.spring is not None:
         spring, light = law.spring, caps * (1 + along)
         k = (spring.proportional or 0.0) * d + (spring.root or 0.0) * sqrt(d)
@@ -283,7 +266,7 @@ def largest_step(
         rubbing = (spring.proportional_dashpot or 0.0) * d + (spring.constant_dashpot or 0.0)
         rubbing += 2 * (spring.damping_ratio or 0.0) * sqrt(k / (1 + along))
         dash += rubs * rubbing * light
-    return 2 * b / (dash + sqrt(dash * dash + 4 * b * stiff))
+    return 8 / (dash + sqrt(dash * dash + 16 * stiff))
 
 
 Length = Annotated[float, 1.0, 1000.0]  # d
@@ -343,7 +326,7 @@ def effects_of(
     """`Effects` on one rod; without a law it has no contact with the plate."""
     half, light = rod.half_length, 1 / rod.gyration_squared
     normal, rubbing = (law.normal, friction_of(law, friction)) if law else (None, None)
-    upper, flat = (True if one else None for one in (half > 0, rod.ends == "flat"))
+    upper, flat = half > 0 or None, rod.ends == "flat" or None
     return Effects(half, light, normal, rubbing, gravity, plate, upper, flat)
 
 

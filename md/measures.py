@@ -7,16 +7,17 @@ an annulus wedged rods are counted as well. Means of correlated series leave out
 transient, are tested for a trend, and have standard errors.
 """
 
+from collections.abc import Iterable
 from math import inf, log, nan, pi, sqrt
 from typing import Any
 
 import numpy as np
 from scipy.linalg import solve_toeplitz
 
+from . import kernels
 from .host import Engine
-from .kernels import codes
+from .kernels import SLIDING, SLIP_REVERSAL, SLIP_STICK
 from .kernels import touches as columns
-from .kernels.codes import SLIDING, SLIP_REVERSAL, SLIP_STICK
 from .scene import Scene
 
 _PARTS = 64  # of a period, in which touches are counted
@@ -70,17 +71,34 @@ def quantities(rows: np.ndarray, per: int, speed: float) -> dict[str, Any]:
     }
 
 
-VELOCITIES = [f"{name}_{at}" for at in ("before", "after") for name in ("c_x", "c_z", "omega")]
+VELOCITIES = (
+    "c_x_before",
+    "c_z_before",
+    "omega_before",
+    "c_x_after",
+    "c_z_after",
+    "omega_after",
+)
 SUMS = tuple(quantities(np.zeros((0, _MERGED + 1)), 1, 1.0))
 _BOTH = "plate_velocity", *VELOCITIES, "flight_periods", "falling"
-_OF_TOUCHES = "contact_periods", "slide", "slip_stick", "slip_reversal", "pushed_by_others"
-# Means as quotients of two sums, by name; the second is the number of touches or landings if
-# nothing else is said.
-MEANS = {name: (name, "count") for name in (*_BOTH, *_OF_TOUCHES)} | {
+# Means over touches, and over landings.
+MEANS = (
+    *_BOTH,
+    "contact_periods",
+    "slide",
+    "slip_stick",
+    "slip_reversal",
+    "pushed_by_others",
+    "plate_velocity_by_speed",
+    "restitution",
+)
+OF_LANDINGS = (*_BOTH, "touches")
+# Sums whose quotient a mean is, where that is not its own sum over the number of touches.
+_QUOTIENTS = {
     "plate_velocity_by_speed": ("pushing", "approach"),  # each touch is weighted by its v_0
     "restitution": ("leaving", "approach"),  # of all touches together
+    "per_rod_and_period": ("begun", "rods"),
 }
-OF_LANDINGS = {name: (name, "count") for name in (*_BOTH, "touches")}
 
 
 def merged(rows: np.ndarray, shortest: float) -> tuple[np.ndarray, np.ndarray]:
@@ -95,16 +113,16 @@ def merged(rows: np.ndarray, shortest: float) -> tuple[np.ndarray, np.ndarray]:
     """
     if not len(rows):
         return rows, rows
-    order = np.lexsort((rows[:, columns.STEP], rows[:, columns.ROD]))
+    order = np.argsort(rows[:, columns.ROD], kind="stable")
     rows = rows[order]
     of_rod = np.diff(rows[:, columns.ROD], prepend=-1) != 0
     first = np.flatnonzero(of_rod | ~(rows[:, columns.FLIGHT] <= shortest))
-    last = np.append(first[1:], len(rows)) - 1
-    found = rows[first]
-    found[:, columns.AFTER : columns.AFTER + 3] = rows[last, columns.AFTER : columns.AFTER + 3]
+    following = np.append(first[1:], 0)  # first touch of the next landing; behind the last one 0
+    found, after = rows[first], slice(columns.AFTER, columns.PLATE)
+    found[:, after] = rows[following - 1, after]
     found[:, _MERGED] = np.add.reduceat(rows[:, _MERGED], first)
-    over = np.append(~of_rod[first[1:]], False)  # the same rod has begun another one
-    seen = np.argsort(order[first[1:]][over[:-1]])
+    over = ~of_rod[following]  # the same rod has begun another one
+    seen = np.argsort(order[following[over]])
     return found[over][seen], found[~over]
 
 
@@ -120,25 +138,29 @@ class Tables:
     """
 
     def __init__(self, engine: Engine, periods: int):
-        self.engine, self.per, self.speed = engine, engine.per, engine.scene.plate_speed or 1.0
+        self.engine, self.per = engine, engine.per
         self.annulus = engine.scene.annulus
         self.series = engine.series(periods)
         self.sums = np.zeros((periods + 1, 2, len(SUMS)))  # over touches, over landings
         self.phases = np.zeros((periods + 1, _PARTS), np.uint32)
-        self.of_period = {"series": self.series.rows, "sums": self.sums, "phases": self.phases}
         self.under_way = np.zeros((0, _MERGED + 1))  # landings that may not be over
 
     def arrays(self, periods: int) -> dict[str, np.ndarray]:
-        """Arrays that a checkpoint needs, by name."""
-        of_period = {name: rows[: periods + 1] for name, rows in self.of_period.items()}
-        return of_period | {"last": self.series.last, "under_way": self.under_way}
+        """Arrays that a checkpoint after so many periods needs, by name."""
+        kept = slice(periods + 1)
+        return {
+            "series": self.series.rows[kept],
+            "sums": self.sums[kept],
+            "phases": self.phases[kept],
+            "last": self.series.last,
+            "under_way": self.under_way,
+        }
 
     def restore(self, arrays: dict[str, np.ndarray]) -> None:
-        """Restore the tables from the arrays of a checkpoint, which are removed from it."""
-        self.under_way = arrays.pop("under_way")
-        for name, array in (self.of_period | {"last": self.series.last}).items():
-            part = arrays.pop(name)
-            array[: len(part)] = part
+        """Restore the tables from the arrays of a checkpoint."""
+        self.under_way = arrays["under_way"]
+        for name, table in self.arrays(len(arrays["sums"]) - 1).items():
+            table[:] = arrays[name]
 
     def by_period(self, periods: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Mean drift, mean tilt and number of rods that fell over, in each period.
@@ -148,20 +170,22 @@ class Tables:
         """
         engine, rows, length = self.engine, self.series.rows[:periods], self.engine.dt * self.per
         if self.annulus is not None:
-            drift = rows[:, codes.ADVANCE] * self.annulus.middle / length
-            tilt = rows[:, codes.TILT_SUM] / rows[:, codes.SAMPLED]
+            drift = rows[:, kernels.ADVANCE] * self.annulus.middle / length
+            tilt = rows[:, kernels.TILT_SUM] / rows[:, kernels.SAMPLED]
             return drift, np.degrees(tilt), np.zeros(periods)
-        twice = rows[:, codes.TILT_COSINE] + 1j * rows[:, codes.TILT_SINE]
+        twice = rows[:, kernels.TILT_COSINE] + 1j * rows[:, kernels.TILT_SINE]
         mean = np.angle(twice.sum())  # rods have no head: tilts are within 90 degrees of their mean
         tilt = (mean + np.angle(twice * np.exp(-1j * mean))) / 2
-        places = self.series.rows[: periods + 1, codes.MEAN_X].copy()
+        places = self.series.rows[: periods + 1, kernels.MEAN_X].copy()
         if engine.step == periods * self.per:  # the next period's first sample is not yet made
-            places[-1] = engine.rods[:, codes.X].mean()
-        return np.diff(places) / length, np.degrees(tilt), rows[:, codes.FELL].copy()
+            places[-1] = engine.rods[:, kernels.X].mean()
+        return np.diff(places) / length, np.degrees(tilt), rows[:, kernels.FELL].copy()
 
-    def error(self, series: np.ndarray) -> float:
-        """Standard error of the mean of a series with one value a period; nan in an annulus."""
-        return nan if self.annulus else standard_error(series)
+    def mean(self, series: np.ndarray) -> tuple[float, float]:
+        """Mean of a series with one value a period, and its standard error; nan in an annulus."""
+        if not len(series):
+            return nan, nan
+        return float(series.mean()), nan if self.annulus else standard_error(series)
 
     def results(self, first: int, periods: int) -> dict[str, Any]:
         """Fields of a `Result` that touches give, from periods `first` to `periods`.
@@ -169,13 +193,13 @@ class Tables:
         These are the periods behind the transient.
         """
         found: dict[str, Any] = {"touches": None, "landings": None, "wedged": None, "phases": []}
-        if self.engine.record is not None:
-            found["phases"] = self.cycle(first, periods)
+        if (record := self.engine.record) is not None:
+            found["phases"] = self.phases[first:periods].sum(axis=0, dtype=np.int64).tolist()
             if periods > 0:
                 found["touches"] = self._means(0, MEANS, first, periods)
                 found["landings"] = self._means(1, OF_LANDINGS, first, periods)
             if self.annulus is not None:
-                since = columns.since_touch(self.engine.record, self.engine.step)
+                since = columns.since_touch(record, self.engine.step)
                 long = wedged_periods(self.engine.scene) * self.per
                 found["wedged"] = float((since > long).mean())
         return found
@@ -185,8 +209,11 @@ class Tables:
         rows = np.column_stack([rows, np.ones(len(rows))])
         over, self.under_way = merged(np.concatenate([self.under_way, rows]), HOP * self.per)
         self._sum(1, over)
-        period, part = np.divmod(self._sum(0, rows), self.per)
-        np.add.at(self.phases, (period, part * _PARTS // self.per), 1)
+        period, step = np.divmod(self._sum(0, rows), self.per)
+        # Parts begin where the plate rises fastest, a quarter of a cycle behind the start; a
+        # negative one counts from the end, as indices do.
+        part = step * _PARTS // self.per - _PARTS // 4
+        np.add.at(self.phases, (period, part), 1)
 
     def _sum(self, kind: int, rows: np.ndarray) -> np.ndarray:
         """Add touches or landings to the sums, but the first of each rod; return their steps.
@@ -195,31 +222,24 @@ class Tables:
         """
         rows = rows[np.isfinite(rows[:, columns.FLIGHT])]
         step = rows[:, columns.STEP].astype(int)
-        table = np.array([*quantities(rows, self.per, self.speed).values()], float).T
+        found = quantities(rows, self.per, self.engine.scene.plate_speed or 1.0)
+        table = np.array([*found.values()], float).T
         np.add.at(self.sums[:, kind], step // self.per, table)
         return step
 
-    def _means(self, kind: int, names: dict, first: int, last: int) -> dict[str, Any]:
+    def _means(self, kind: int, names: Iterable[str], first: int, last: int) -> dict[str, Any]:
         """Quotients of two sums over all periods, and standard errors; these nan in an annulus."""
         part = dict(zip(SUMS, self.sums[first:last, kind].T, strict=True))
         part["rods"] = np.full(last - first, self.engine.scene.rods.count)
         going = self.under_way[np.isfinite(self.under_way[:, columns.FLIGHT]), columns.STEP]
         begun = np.bincount(going.astype(int) // self.per, minlength=last)[first:last]
         part["begun"] = part["count"] + kind * begun  # landings under way count too
-        pairs = names | {"per_rod_and_period": ("begun", "rods")}
-        found = {name: ratio(part[top], part[base]) for name, (top, base) in pairs.items()}
-        return {
-            name: {"mean": mean, "stderr": nan if self.annulus else stderr}
-            for name, (mean, stderr) in found.items()
-        }
-
-    def cycle(self, first: int, last: int) -> list[int]:
-        """Number of touches in each part of the plate's cycle, from where the plate rises fastest.
-
-        A run begins at the plate's lowest place, a quarter of a cycle before.
-        """
-        counts = self.phases[first:last].sum(axis=0, dtype=np.int64)
-        return np.roll(counts, -(_PARTS // 4)).tolist()
+        found = {}
+        for name in (*names, "per_rod_and_period"):
+            top, base = _QUOTIENTS.get(name, (name, "count"))
+            mean, stderr = ratio(part[top], part[base])
+            found[name] = {"mean": mean, "stderr": nan if self.annulus else stderr}
+        return found
 
 
 FEWEST = 100  # values for a standard error
@@ -302,7 +322,7 @@ def steady(counts: np.ndarray) -> bool:
     return not (abs(order) > _ORDERED or trend(counts) > TREND)
 
 
-def settled(first: int, series: np.ndarray, events: np.ndarray | None = None) -> int | None:
+def settled(first: int, series: np.ndarray, events: np.ndarray) -> int | None:
     """Values to leave out so that the rest shows no trend; None if half of them is not enough.
 
     Parameters
@@ -315,9 +335,10 @@ def settled(first: int, series: np.ndarray, events: np.ndarray | None = None) ->
     come out too small; this one is the first of at most six.
     """
     n = len(series)
-    cuts = range(first, max(n // 2, first) + 1, max(n // 10, 1))
-    calm = (cut for cut in cuts if not trend(series[cut:]) > TREND)
-    return next((cut for cut in calm if events is None or steady(events[cut:])), None)
+    for cut in range(first, max(n // 2, first) + 1, max(n // 10, 1)):
+        if not trend(series[cut:]) > TREND and steady(events[cut:]):
+            return cut
+    return None
 
 
 def ratio(sums: np.ndarray, counts: np.ndarray) -> tuple[float, float]:

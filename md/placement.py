@@ -1,15 +1,16 @@
 """Places of rods in the gap of an annulus: largest tilt of a single rod, initial places of many."""
 
 from collections.abc import Iterator
-from math import acos, asin, cos, degrees, pi, sin, sqrt
+from math import acos, asin, cos, degrees, inf, pi, sin, sqrt
 
 import numpy as np
 from scipy.optimize import brentq, minimize
 from scipy.spatial import cKDTree
 from tqdm import tqdm
 
-from .domains import InputError
-from .kernels.codes import DIRECTOR, VELOCITY
+from .domains import InputError, number
+from .kernels import DIRECTOR
+from .kernels.vectors import IN_SPACE
 from .scene import GAP, Annulus
 
 _ROOM = 1e-5  # d; gap to which overlapping rods are pushed apart
@@ -29,8 +30,7 @@ def largest_tilt(gap: Annulus, length: float) -> float:
 
     Source: contact of a spherocylinder with the outer cylinder.
     """
-    if not length >= 1:
-        raise InputError(f"length must be at least 1, got {length!r}")
+    number("length", length, 1.0, inf, "at least 1")
     # Ends' centres as far from the axis as the outer wall allows; middle on the inner wall.
     reach = sqrt((gap.outer - 0.5) ** 2 - (gap.inner + 0.5) ** 2)
     half = (length - 1) / 2
@@ -71,14 +71,16 @@ def placed(
     lean = min(_filling(gap, count, half, most) if tilt is None else abs(tilt), 0.98 * most)
     parts = (1.0, 0.97, 0.93, 0.85, 0.7, 0.4, 0.0)  # of the tilt: rods that do not fit are raised
     for part in tqdm(parts, "placing rods", unit="try", leave=False, delay=2, disable=None):
-        rods = _zigzag(gap, count, half, part * lean, np.random.default_rng(seed))
-        _push_apart(gap, rods, half)
-        left = overlap(gap, rods, half)
+        rods = _pushed_apart(gap, _zigzag(gap, count, half, part * lean, seed), half)
+        meetings = _meetings(gap, rods, half, _near(rods, half))
+        left = max(deep.max(initial=-inf) for _, deep, *_ in meetings)
         if left <= -GAP:
             break
     else:
-        still = f"overlaps of {max(left, 0.0):.2g} d are left"
-        raise InputError(f"{refused}: pushed apart as far as they go, {still}")
+        raise InputError(
+            f"{refused}: pushed apart as far as they go, overlaps of {max(left, 0.0):.2g} d are "
+            "left"
+        )
     leans = degrees(np.arccos(np.abs(rods[:, -1])).mean())
     if tilt is not None and abs(leans - abs(degrees(tilt))) > _KEPT_DEG:
         raise InputError(
@@ -102,28 +104,29 @@ def _most_upright(gap: Annulus) -> int:
     return int(2 * pi / acos(max(across, 1 - 0.5 / high**2)))
 
 
-def _zigzag(
-    gap: Annulus, count: int, half: float, lean: float, random: np.random.Generator
-) -> np.ndarray:
+def _zigzag(gap: Annulus, count: int, half: float, lean: float, seed: int) -> np.ndarray:
     """Rods around the gap, (count, 6), by turns as near to either wall as their tilt allows.
 
     The last of an odd number stands in the middle, with as much more room beside it as it needs
-    there: two rods that are apart by `across` need sqrt(1 - across^2) along the gap, two at one
-    wall a diameter.
+    there.
     """
     low, high = _swing(gap, half, lean)
-    beside, turn = (sqrt(1 - min(across, 1) ** 2) for across in ((high - low) / 2, high - low))
-    wider = count % 2 * max(beside / max(turn, 0.5) - 1, 0.0)  # in units of the other distances
-    rods = np.zeros((count, VELOCITY))
-    for i in range(count):
-        odd_one = count % 2 == 1 and i == count - 1
-        azimuth = 2 * pi * (i + odd_one * wider) / (count + 2 * wider)
-        radius = (low + high) / 2 if odd_one else (low, high)[i % 2]
-        angle = lean + 1e-3 * random.uniform(-1, 1)
-        rods[i, :2] = radius * cos(azimuth), radius * sin(azimuth)
-        flat = -sin(angle) * sin(azimuth), sin(angle) * cos(azimuth)
-        rods[i, DIRECTOR:] = *flat, cos(angle)
-    return rods
+    places, radii = np.arange(count, dtype=float), np.resize([low, high], count)
+    wider = 0.0  # in units of the other distances
+    if count % 2:
+        wider = max(_beside((high - low) / 2) / max(_beside(high - low), 0.5) - 1, 0.0)
+        places[-1] += wider
+        radii[-1] = (low + high) / 2
+    azimuth = 2 * pi * places / (count + 2 * wider)
+    outward = np.column_stack([np.cos(azimuth), np.sin(azimuth), np.zeros(count)])
+    angle = lean + 1e-3 * np.random.default_rng(seed).uniform(-1, 1, (count, 1))
+    director = np.sin(angle) * np.cross(IN_SPACE, outward) + np.cos(angle) * IN_SPACE
+    return np.hstack([radii[:, None] * outward, director])
+
+
+def _beside(across: float) -> float:
+    """Least distance along the gap of two upright rods that are so far apart across it."""
+    return sqrt(1 - min(across, 1.0) ** 2)
 
 
 def _swing(gap: Annulus, half: float, tilt: float) -> tuple[float, float]:
@@ -134,22 +137,26 @@ def _swing(gap: Annulus, half: float, tilt: float) -> tuple[float, float]:
 
 
 def _filling(gap: Annulus, count: int, half: float, most: float) -> float:
-    """Tilt at which neighbours of a zig-zag touch all around the circle."""
+    """Tilt at which neighbours of a zig-zag touch all around the circle; else the largest one."""
 
     def excess(tilt: float) -> float:
         low, high = _swing(gap, half, tilt)
-        across = min(high - low, 1.0)
-        return count * sqrt(1 - across**2) / cos(tilt) - pi * (low + high)
+        return count * _beside(high - low) / cos(tilt) - pi * (low + high)
 
     if excess(0.0) >= 0:
         return 0.0
     if excess(0.999 * most) <= 0:
-        return 0.98 * most
-    return float(brentq(excess, 0.0, 0.999 * most))
+        return most
+    return brentq(excess, 0.0, 0.999 * most)
+
+
+def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Scalar products of two arrays of vectors."""
+    return (a * b).sum(axis=1)
 
 
 def _meetings(
-    gap: Annulus, place: np.ndarray, director: np.ndarray, half: float, pairs: np.ndarray
+    gap: Annulus, rods: np.ndarray, half: float, pairs: np.ndarray
 ) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]]:
     """Overlaps of rods with each wall and with one another, for the given pairs.
 
@@ -158,18 +165,19 @@ def _meetings(
     Numbers of rods; their overlaps, in d; unit vectors along which they come free; and from their
     centres along their axes to the closest points, in d.
     """
-    everyone, flat = np.arange(len(place)), np.array([1.0, 1.0, 0.0])
-    seen, along = place * flat, director * flat
-    nearest = -(seen * along).sum(axis=1) / np.maximum((along**2).sum(axis=1), 1e-12)
+    place, director = rods[:, :DIRECTOR], rods[:, DIRECTOR:]
+    everyone, from_above = np.arange(len(rods)), np.array([1.0, 1.0, 0.0])
+    seen, along = place * from_above, director * from_above
+    nearest = -_dot(seen, along) / np.maximum(_dot(along, along), 1e-12)
     for side, lever in (1, np.clip(nearest, -half, half)), (-1, half), (-1, -half):
-        lever = np.broadcast_to(lever, len(place))
+        lever = np.broadcast_to(lever, len(rods))
         point = seen + lever[:, None] * along
         radius = np.linalg.norm(point, axis=1)
         deep = gap.inner + 0.5 - radius if side > 0 else radius + 0.5 - gap.outer
         yield everyone, deep, side * point / radius[:, None], lever
     i, j = pairs.T
     a, b, apart = director[i], director[j], place[i] - place[j]
-    across, p, q = ((x * y).sum(axis=1) for x, y in ((a, b), (apart, a), (apart, b)))
+    across, p, q = _dot(a, b), _dot(apart, a), _dot(apart, b)
     s = np.clip((across * q - p) / np.maximum(1 - across**2, 1e-12), -half, half)
     t = np.clip(q + s * across, -half, half)
     s = np.clip(t * across - p, -half, half)
@@ -180,45 +188,39 @@ def _meetings(
     yield j, 1 - distance, -outward, t
 
 
-def _near(place: np.ndarray, half: float) -> np.ndarray:
+def _near(rods: np.ndarray, half: float) -> np.ndarray:
     """Pairs of rods that may touch, even after they have moved by a diameter."""
-    return cKDTree(place).query_pairs(2 * half + 3, output_type="ndarray")
+    return cKDTree(rods[:, :DIRECTOR]).query_pairs(2 * half + 3, output_type="ndarray")
 
 
-def _push_apart(gap: Annulus, rods: np.ndarray, half: float) -> None:
+def _pushed_apart(gap: Annulus, rods: np.ndarray, half: float) -> np.ndarray:
     """Minimise the sum of the squares of all overlaps, with the lower caps on the plate."""
-    n, pairs = len(rods), _near(rods[:, :DIRECTOR], half)
+    n, pairs = len(rods), _near(rods, half)
 
-    def parts(unknown: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Places, directors and the lengths of the vectors that become the directors."""
+    def standing(unknown: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Rods on the plate, and the lengths of the vectors that become their directors."""
         flat, axis = unknown[: 2 * n].reshape(n, 2), unknown[2 * n :].reshape(n, 3)
         length = np.linalg.norm(axis, axis=1, keepdims=True)
         director = axis / length
         height = 0.5 + half * np.abs(director[:, 2])
-        return np.column_stack([flat, height]), director, length
+        return np.column_stack([flat, height, director]), length
 
     def energy(unknown: np.ndarray) -> tuple[float, np.ndarray]:
         """Sum of the squares of all overlaps, and its gradient."""
-        place, director, length = parts(unknown)
-        total, force, turn = 0.0, np.zeros((n, 3)), np.zeros((n, 3))
-        for rod, overlap, outward, lever in _meetings(gap, place, director, half, pairs):
+        rods, length = standing(unknown)
+        director, total = rods[:, DIRECTOR:], 0.0
+        force, turn = np.zeros((2, n, 3))
+        for rod, overlap, outward, lever in _meetings(gap, rods, half, pairs):
             deep = np.maximum(overlap + _ROOM, 0)
             total += (deep**2).sum()
             push = 2 * deep[:, None] * outward
             np.add.at(force, rod, push)
             np.add.at(turn, rod, lever[:, None] * push)
         turn[:, 2] += force[:, 2] * half * np.sign(director[:, 2])
-        turn -= (turn * director).sum(axis=1, keepdims=True) * director
+        turn -= _dot(turn, director)[:, None] * director
         return total, -np.concatenate([force[:, :2].ravel(), (turn / length).ravel()])
 
     start = np.concatenate([rods[:, :2].ravel(), rods[:, DIRECTOR:].ravel()])
     options = {"maxiter": _STEPS, "maxfun": 2 * _STEPS, "ftol": 0.0, "gtol": 1e-9}
     found = minimize(energy, start, jac=True, method="L-BFGS-B", options=options)
-    rods[:, :DIRECTOR], rods[:, DIRECTOR:], _ = parts(found.x)
-
-
-def overlap(gap: Annulus, rods: np.ndarray, half: float) -> float:
-    """Largest overlap of rods with each other and the walls, in d; negative if all are apart."""
-    place, director = rods[:, :DIRECTOR], rods[:, DIRECTOR:VELOCITY]
-    found = _meetings(gap, place, director, half, _near(place, half))
-    return float(max(deep.max(initial=-np.inf) for _, deep, *_ in found))
+    return standing(found.x)[0]

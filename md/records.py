@@ -1,4 +1,4 @@
-"""Every touch of the plate by the rods of a run, and every landing, as `xarray.Dataset`.
+"""What a run records: touches of the plate and landings as tables, frames as a trajectory.
 
 A run hands its touches to `observe` as they end; kept in a list they become one table:
 
@@ -48,45 +48,56 @@ touches                        of a landing alone, in place of the five above: h
 In an annulus x lies in the vertical plane through the rod's axis as the touch begins, horizontally
 and counter-clockwise around the annulus (`md.kernels.touches`); for an upright rod it is the
 direction around the annulus itself. Velocities and spin are their parts in that plane.
+
+Trajectories are extended XYZ, with shape and orientation, for OVITO and ASE. In OVITO choose, under
+Particles, the standard shape Spherocylinder; orientation and size come from the file. In ASE
+`ase.io.read("row.xyz", index=":")` gives the frames, each with the columns as `arrays` and times
+and units as `info`; ASE knows no species but elements, and calls a rod X.
 """
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
+from math import atan2, cos, degrees, hypot, sin
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
+from .domains import InputError
+from .files import empty
+from .kernels import DIRECTOR, PLACE, REGIMES, TURN, VELOCITY
 from .kernels import touches as columns
-from .kernels.codes import REGIMES
 from .measures import HOP, VELOCITIES, merged, phase_at
 from .result import Result
+from .scene import Scene
 from .units import labelled
 
 if TYPE_CHECKING:
     from xarray import Dataset
 
 
-_BOTH = {  # columns of `kernels.touches` by their names here
-    "rod": columns.ROD,
-    "time": columns.STEP,
-    "phase": columns.STEP,
-    "cap": columns.CAP,
-    "flight": columns.FLIGHT,
-    "a_x": columns.A_X,
-    "a_z": columns.A_Z,
-    **dict(zip(VELOCITIES, range(columns.BEFORE, columns.PLATE), strict=True)),
-    "plate_velocity": columns.PLATE,
-    "v_before": columns.APPROACH,
-}
-_TOUCH = _BOTH | {
-    "v_after": columns.LEAVING,
-    "duration": columns.DURATION,
-    "regime": columns.REGIME,
-    "pushed_by_others": columns.PUSHED,
-    "max_overlap": columns.DEEPEST,
-}
-_LANDING = _BOTH | {"touches": columns.WIDTH}
+# Touches and landings
+
+_NAMES = (  # of the columns of `kernels.touches` and `measures.merged`, in their order
+    "rod",
+    "time",
+    "cap",
+    "duration",
+    "flight",
+    "a_x",
+    "a_z",
+    *VELOCITIES,
+    "plate_velocity",
+    "v_before",
+    "v_after",
+    "regime",
+    "pushed_by_others",
+    "max_overlap",
+    "touches",
+)
+_OF_TOUCHES = "duration", "v_after", "regime", "pushed_by_others", "max_overlap"
 _TYPES: dict[str, Any] = {"rod": np.int64, "cap": np.int8, "touches": np.int64, "regime": "U13"}
-_IN_STEPS = "time", "phase", "flight", "duration"
+_IN_STEPS = "time", "flight", "duration"
 
 
 def touches(rows: Sequence[np.ndarray], result: Result) -> "Dataset":
@@ -103,7 +114,7 @@ def touches(rows: Sequence[np.ndarray], result: Result) -> "Dataset":
     `long_name` and, but for pure numbers, `units` in their `attrs`:
     `touches.sel(touch=touches.time >= result.discarded)` are those behind the transient.
     """
-    return _table("touch", _together(rows), _TOUCH, result)
+    return _table("touch", _together(rows), result)
 
 
 def landings(rows: Sequence[np.ndarray], result: Result) -> "Dataset":
@@ -121,24 +132,148 @@ def landings(rows: Sequence[np.ndarray], result: Result) -> "Dataset":
     """
     counted = np.insert(_together(rows), columns.WIDTH, 1, axis=1)  # touches of each: one
     over, _ = merged(counted, HOP * result.steps_per_period)
-    return _table("landing", over, _LANDING, result)
+    return _table("landing", over, result).drop_vars(_OF_TOUCHES)
 
 
 def _together(rows: Sequence[np.ndarray]) -> np.ndarray:
     """Rows of a list of arrays, or of one array, as (n, WIDTH)."""
-    return np.concatenate([np.empty((0, columns.WIDTH)), *map(np.atleast_2d, rows)])
+    return np.vstack([np.empty((0, columns.WIDTH)), *rows])
 
 
-def _table(along: str, rows: np.ndarray, names: dict[str, int], result: Result) -> "Dataset":
+def _table(along: str, rows: np.ndarray, result: Result) -> "Dataset":
     """Columns of rows by their names, times in periods."""
-    found = {}
-    for name, column in names.items():
-        values: Any = rows[:, column]
-        if name in _IN_STEPS:
-            values = values / result.steps_per_period
-        if name == "phase":
-            values = phase_at(values)
-        elif name == "regime":
+    found: dict[str, Any] = {}
+    for name, column in zip(_NAMES, rows.T, strict=False):
+        values: Any = column / result.steps_per_period if name in _IN_STEPS else column
+        if name == "regime":
             values = [REGIMES[code] for code in values]
         found[name] = along, np.array(values, _TYPES.get(name, np.float64))
+        if name == "time":
+            found["phase"] = along, phase_at(values)
     return labelled(found)
+
+
+# Frames
+
+# Names that OVITO knows, but for tilt; Z = 0, no element, lets ASE read a species that is none.
+_FRAME = "species:S:1:pos:R:3:Z:I:1:id:I:1:orientation:R:4:aspherical_shape:R:3:velo:R:3"
+_FRAME += ":omega:R:3:tilt:R:1"
+_END = 1000  # bytes of the end of the last frame by which a checkpoint knows the file
+
+
+class Trajectory:
+    """File of frames of a run; it is opened for the first frame.
+
+    Parameters
+    ----------
+    path : of the file, a plain one, as `files.writable` gives it
+    scene : of the run
+    per_period : frames of a period
+    before : `place` of the run that a checkpoint continues, whose frames are kept while later ones
+        are made again; ("", 0) if it wrote none; None: a run from its start
+
+    Raises
+    ------
+    ValueError
+        If a checkpoint is continued, and the file holds other frames than those before it. It is
+        not changed.
+    """
+
+    def __init__(
+        self, path: Path, scene: Scene, per_period: int, before: tuple[str, int] | None = None
+    ):
+        self.path, self.scene, self.per_period = path, scene, per_period
+        self.place = "", 0  # end of the last frame, which tells it from others; its end in bytes
+        self.file: BinaryIO | None = None
+        if before is not None and not empty(path):
+            self.place = end, kept = before
+            with path.open("rb") as file:
+                file.seek(kept - len(end))
+                found = file.read(len(end)).decode(errors="replace")
+            if not found or found != end:
+                raise InputError(
+                    f"trajectory {str(path)!r} does not hold the frames before the checkpoint: "
+                    "name a new file, or remove the checkpoint to start again"
+                )
+
+    def write(self, rods: np.ndarray, time: float, height: float, rolling: float = 0.0) -> None:
+        """Append a frame.
+
+        Parameters
+        ----------
+        rods : (N, 7), columns as in `kernels`, or (N, 12) in an annulus
+        time : periods since the start, at which the plate is at its lowest point
+        height : of the plate, in d
+        rolling : as of `kernels.state.Effects`; 0: rods do not turn about their axes
+
+        Lengths are in d, velocities in sqrt(g d); beside the time stand the plate's phase in rad, d
+        in cm and sqrt(g d) in cm/s. Columns: species (rod); place x, y, z; 0 (no element); number;
+        orientation as a quaternion x, y, z, w that turns the z axis into the rod's; radius, radius
+        and length of the cylinder between the caps; velocity; angular velocity; tilt in degrees.
+        """
+        if self.file is None:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            self.file = self.path.open("ab")
+            self.file.truncate(self.file.seek(self.place[1]))
+        lines = [_head(self.scene, time, height)]
+        for i, (place, turn, velocity, omega, tilt) in enumerate(_in_space(rods, rolling)):
+            numbers = [*turn, 0.5, 0.5, self.scene.rods.length - 1, *velocity, *omega, tilt]
+            lines.append(f"rod {_text(place)} 0 {i} {_text(numbers)}\n")
+        frame = "".join(lines)
+        self.file.write(frame.encode())
+        self.place = frame[-_END:], self.file.tell()
+
+    def flush(self) -> None:
+        """Hand all frames to the operating system."""
+        if self.file is not None:
+            self.file.flush()
+
+    def close(self) -> None:
+        """Close the file; a full disk raises nothing here."""
+        if self.file is not None:
+            with suppress(OSError):
+                self.file.close()
+
+
+def _text(numbers: Iterable[float]) -> str:
+    return " ".join(f"{number:.9g}" for number in numbers)
+
+
+def _head(scene: Scene, time: float, height: float) -> str:
+    """First two lines of a frame: number of rods, and its head."""
+    wide, deep, left = scene.box.length if scene.box else 1e3, 1.0, 0.0
+    if scene.annulus is not None:
+        left = -scene.annulus.outer
+        wide = deep = -2 * left
+    cell = f"{wide!r} 0 0 0 {deep!r} 0 0 0 {scene.rods.length + 10!r}"
+    corner = f"{left!r} {-deep / 2!r} 0"
+    return (
+        f'{scene.rods.count}\nLattice="{cell}" Origin="{corner}" Properties={_FRAME} '
+        f'pbc="{"T" if scene.box else "F"} F F" Time={time!r} phase={phase_at(time):.9g} '
+        f"diameter_cm={scene.rods.diameter_cm!r} cm_per_s={scene.cm_per_s!r} plate={height!r}\n"
+    )
+
+
+def is_trajectory(path: Path) -> bool:
+    """Whether a file begins with a frame that a `Trajectory` has written.
+
+    Parameters
+    ----------
+    path : of the file
+    """
+    with path.open("rb") as file:
+        file.readline(100)
+        return f" Properties={_FRAME} ".encode() in file.readline(1000)
+
+
+def _in_space(rods: np.ndarray, rolling: float = 0.0) -> Iterator[tuple]:
+    """Place, quaternion, velocity, angular velocity and tilt [deg] of each rod."""
+    plane = rods.shape[1] == 7
+    for row in np.insert(rods, [1, 3, 5, 6, 7] if plane else [], 0.0, axis=1):
+        a, b, c = director = row[DIRECTOR:VELOCITY]
+        across = a if plane else hypot(a, b)  # in a row tilts have a sign
+        phi = atan2(across, c)
+        part = sin(phi / 2) / (across or 1.0)
+        turn = 0.0 - b * part, a * part, 0.0, cos(phi / 2)
+        spin = row[TURN:] + rolling * np.dot(row[TURN:], director) * director
+        yield row[PLACE:DIRECTOR], turn, row[VELOCITY:TURN], spin, degrees(phi)

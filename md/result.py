@@ -9,9 +9,9 @@ import numba
 import numpy as np
 
 from .cache import digest
-from .domains import in_notebook
+from .domains import as_dict, in_notebook
 from .measures import FEWEST, TREND, UNLIKELY, steady, trend, wedged_periods
-from .scene import Scene, as_dict
+from .scene import Scene
 from .units import in_cm, labelled
 
 if TYPE_CHECKING:
@@ -95,7 +95,7 @@ class Result:
     c_x_series, tilt_series, fell_series : drift, tilt in degrees and number of rods that fell over,
         period by period, transient included
     rods : x, z, sin and cos of the tilt at the end; c_x, c_z, omega half a step before; in an
-        annulus place and director, velocity and turn, as in `kernels.codes`
+        annulus place and director, velocity and turn, as in `kernels`
     finished : False if the run was interrupted
     accuracy : of c_x; None without a tolerance
     """
@@ -126,8 +126,8 @@ class Result:
 
     def __repr__(self) -> str:
         drift = _with_error(self.c_x_cm_s, self.c_x_stderr_cm_s)
-        length = f"{self.periods} {_unit(self)}"
-        return f"<Result: {drift} cm/s at {self.tilt_deg:.3g} degrees, {length}>"
+        tilt = f"{self.tilt_deg:.3g} degrees"
+        return f"<Result: {drift} cm/s at {tilt}, {self.periods} {_unit(self)}>"
 
     def __str__(self) -> str:
         return f"{self.scene}\n{result_text(self)}"
@@ -149,9 +149,10 @@ class Result:
         """False if the drift or the rate of falls still trends; None if the run is too short."""
         if self.accuracy is not None:
             return self.accuracy.state != "not settled"
-        drift, fell = (x[self.discarded :] for x in (self.c_x_series, self.fell_series))
-        found = trend(drift)
-        return None if isnan(found) else found <= TREND and steady(fell)
+        found = trend(self.c_x_series[self.discarded :])
+        if isnan(found):
+            return None
+        return found <= TREND and steady(self.fell_series[self.discarded :])
 
     @property
     def rod_steps(self) -> int:
@@ -171,7 +172,6 @@ class Result:
         contact = self.scene.contacts.plate or self.scene.contacts.rods
         skip = ("scene", "phases", "c_x_series", "tilt_series", "fell_series", "rods", "accuracy")
         plain = {key: value for key, value in vars(self).items() if key not in skip}
-        versions = {"md": digest(), "numpy": np.__version__, "numba": numba.__version__}
         return finite(
             {
                 **plain,
@@ -183,7 +183,7 @@ class Result:
                 "scene_digest": self.scene.digest(),
                 "law": contact.law.name if contact else None,
                 "seed": self.scene.start.seed,
-                "versions": versions,
+                "versions": {"md": digest(), "numpy": np.__version__, "numba": numba.__version__},
                 **({"accuracy": asdict(self.accuracy)} if self.accuracy else {}),
             }
         )
@@ -198,10 +198,11 @@ def result_text(result: Result) -> str:
     """Text of a result: what the run measured, and what it cost."""
     lines = [*_drift(result), *_touches(result)]
     if energy := result.energy:
-        work, change, residual = (energy[name] for name in ("plate_work", "change", "residual"))
-        balance = f"gained {change:.3g}, residual {residual:.1e} m g d"
-        lost = work - change - residual
-        lines.append(f"energy       plate {work:.4g}, lost {lost:.4g}, {balance}")
+        lost = energy["plate_work"] - energy["change"] - energy["residual"]
+        lines.append(
+            f"energy       plate {energy['plate_work']:.4g}, lost {lost:.4g}, "
+            f"gained {energy['change']:.3g}, residual {energy['residual']:.1e} m g d"
+        )
     return "\n".join([*lines, *_cost(result), *accuracy_lines(result)])
 
 
@@ -241,65 +242,79 @@ def _touches(r: Result) -> list[str]:
 
 
 def _cost(r: Result) -> list[str]:
-    seconds = r.periods / r.scene.frequency * r.scene.rods.diameter_cm / r.scene.cm_per_s
-    left_out = f"the first {r.discarded} are left out of the means"
-    if r.accuracy:
-        left_out += " (for c_x: what each start took to settle)"
-    ended = "" if r.finished else "; interrupted"
-    lines = [f"{_unit(r):12} {r.periods} = {seconds:.4g} s; {left_out}{ended}"]
-    if r.scene.vibrates and r.accuracy is None:
+    scene, unit = r.scene, _unit(r)
+    seconds = r.periods / scene.frequency * scene.rods.diameter_cm / scene.cm_per_s
+    line = f"{unit:12} {r.periods} = {seconds:.4g} s; the first {r.discarded} are left out of the "
+    line += "means (for c_x: what each start took to settle)" if r.accuracy else "means"
+    lines = [line if r.finished else f"{line}; interrupted"]
+    if scene.vibrates and r.accuracy is None:
         if r.settled is False:
-            few = "not settled: drift or falls trend behind the transient; ask for more periods"
-            lines.append(f"warning      {few}")
-        elif r.scene.annulus is not None and r.periods < SETTLING:
+            lines.append(
+                "warning      not settled: drift or falls trend behind the transient; ask for more "
+                "periods"
+            )
+        elif scene.annulus is not None and r.periods < SETTLING:
             lines.append(f"warning      an annulus needs {SETTLING} periods or more to settle")
     if r.wedged:
-        since = f"the plate for {wedged_periods(r.scene):.0f} {_unit(r)}"
-        lines.append(f"warning      wedged: {r.wedged:.0%} of the rods have kept off or on {since}")
-    n, each = r.scene.rods.count, r.run_seconds / max(r.rod_steps, 1) * 1e9
-    steps = f"{r.rod_steps:.3g} rod-steps of dt = {r.dt:.3g} sqrt(d/g)"
-    rods = f"{n} rod{'s' * (n > 1)}, {r.steps_per_period} steps a {_unit(r).removesuffix('s')}"
-    time = f"{r.run_seconds:.3g} s, {each:.3g} ns each; compiled in {r.compile_seconds:.2g} s"
-    return [*lines, f"cost         {steps} ({rods}) in {time}"]
+        lines.append(
+            f"warning      wedged: {r.wedged:.0%} of the rods have kept off or on the plate for "
+            f"{wedged_periods(scene):.0f} {unit}"
+        )
+    n, each = scene.rods.count, r.run_seconds / max(r.rod_steps, 1) * 1e9
+    lines.append(
+        f"cost         {r.rod_steps:.3g} rod-steps of dt = {r.dt:.3g} sqrt(d/g) ({n} "
+        f"rod{'s' * (n > 1)}, {r.steps_per_period} steps a {unit.removesuffix('s')}) in "
+        f"{r.run_seconds:.3g} s, {each:.3g} ns each; compiled in {r.compile_seconds:.2g} s"
+    )
+    return lines
 
 
 def accuracy_lines(result: Result) -> list[str]:
     """Lines on step and error of a run with a tolerance, and on the price of the next digit."""
-    a, unit = result.accuracy, result.scene.cm_per_s
+    a, scene = result.accuracy, result.scene
     if a is None:
         return []
-    found = a.state if result.finished else "interrupted"
-    verdict = f"accuracy     {found if found == 'reached' else found.upper()}"
+    state = a.state if result.finished else "interrupted"
+    verdict = f"accuracy     {state if state == 'reached' else state.upper()}"
     if not isfinite(a.error):
         return [f"{verdict}: ended too early to tell the error"]
-    if abs(result.c_x) + a.error < NOTHING * result.scene.plate_speed:
+    drift = abs(result.c_x)
+    if drift + a.error < NOTHING * scene.plate_speed:
         return [f"{verdict}: nothing drifts; c_x is below {NOTHING:g} of the plate's velocity"]
-    size = max(abs(result.c_x), a.floor)
-    of = "c_x" if abs(result.c_x) >= a.floor else f"the floor {a.floor:.3g} sqrt(g d)"
+    size = max(drift, a.floor)
+    of = "c_x" if drift >= a.floor else f"the floor {a.floor:.3g} sqrt(g d)"
     bias = f"its bias is within {a.bias_error / size:.1g}"
     if a.bias_measured:
-        taken = f"{a.bias / size:+.2g} +- {a.bias_error / size:.1g}"
-        bias = f"its bias {taken}, measured by steps twice as long, is taken off"
+        bias = (
+            f"its bias {a.bias / size:+.2g} +- {a.bias_error / size:.1g}, measured by steps twice "
+            "as long, is taken off"
+        )
     lines = [
         f"{verdict}: {a.tolerance:.3g} of {of} asked for; c_x is within {a.error:.2g} sqrt(g d) = "
-        f"{a.error * unit:.2g} cm/s, {a.error / size:.2g} of it, at {a.confidence:.4g} confidence",
+        f"{a.error * scene.cm_per_s:.2g} cm/s, {a.error / size:.2g} of it, at {a.confidence:.4g} "
+        "confidence",
         f"step         dt = {result.dt:.3g}, {a.per_contact:.3g} steps a contact; {bias}; "
         f"the statistical error is {a.statistical / size:.2g}",
         f"starts       {a.starts}, {a.made} periods in all, for c_x; all else is of the first",
     ]
-    if a.chance < UNLIKELY[result.scene.annulus is not None]:
-        several = "they differ: the scene has several states; their scatter counts"
-        lines.append(f"             {several}; more --workers tell it better")
+    if a.chance < UNLIKELY[scene.annulus is not None]:
+        lines.append(
+            "             they differ: the scene has several states; their scatter counts; more "
+            "--workers tell it better"
+        )
     if a.fell:
-        unseen = "a decay of the drift that is slower than the run cannot be seen"
-        lines.append(f"warning      rods fell over {a.fell} times: {unseen}")
+        lines.append(
+            f"warning      rods fell over {a.fell} times: a decay of the drift that is slower than "
+            "the run cannot be seen"
+        )
     if a.state == "not settled":
         lines.append("             drift or falls still trend; the error is the change seen")
     if a.state == "not reached" and isfinite(a.needed_seconds):
         lines.append(f"             this would take about {a.needed_seconds:.3g} s of run time")
     if a.error / size > a.tolerance / 10 and isfinite(a.next_digit_seconds):
-        dearer = f"{a.tolerance / 10:.3g} would take about {a.next_digit_seconds:.3g} s"
-        lines.append(f"next digit   {dearer}")
+        lines.append(
+            f"next digit   {a.tolerance / 10:.3g} would take about {a.next_digit_seconds:.3g} s"
+        )
     return lines
 
 

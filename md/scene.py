@@ -8,17 +8,17 @@ a table may hold (`md.units`). `md/scenes/` holds examples. A key's domain stand
 import hashlib
 import inspect
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from copy import deepcopy
-from dataclasses import MISSING, dataclass, field, fields, is_dataclass
+from dataclasses import dataclass, is_dataclass
 from difflib import get_close_matches
 from math import acos, cos, degrees, hypot, inf, pi, radians, sin, sqrt
 from operator import attrgetter
 from pathlib import Path
 from typing import Annotated, Any, get_args
 
-from .domains import InputError, Part, hints, in_notebook
+from .domains import InputError, Part, as_dict, hints, in_notebook
 from .files import text_of
 from .laws import LAWS, Inertia, Law, Length
 from .units import GRAVITY_CM, TWINS, Diameter, Frequency, cm_per_s, in_cm, reduced, rivals
@@ -26,7 +26,6 @@ from .units import GRAVITY_CM, TWINS, Diameter, Frequency, cm_per_s, in_cm, redu
 SCENES = Path(__file__).parent / "scenes"
 _NARROWEST = 1.0001  # d; gap of an annulus in which rods can be placed
 GAP = 1e-6  # d, between rods and over the plate at the start: if they touched, rounding would push
-_Angle = Annotated[float, -90.0, 90.0]
 _NEEDS = {
     "plate": "contacts.plate",
     "annulus": "contacts.wall",
@@ -158,7 +157,7 @@ class Start(Part):
     drop : height of the caps over the plate, d
     """
 
-    tilt_deg: _Angle | None = None
+    tilt_deg: Annotated[float, -90.0, 90.0] | None = None
     seed: Annotated[int, 0, 2**63 - 1] = 0
     speed: Annotated[float, 0.0, 1000.0] = 1e-3
     drop: Annotated[float, 0.0, 1000.0] = 0.0
@@ -196,14 +195,14 @@ class Scene(Part):
 
     KEY = ""
 
-    rods: Rods = field(default_factory=Rods)
+    rods: Rods = Rods()
     plate: Plate | None = None
     box: Box | None = None
     annulus: Annulus | None = None
     gravity: Gravity | None = None
-    contacts: Contacts = field(default_factory=Contacts)
-    start: Start = field(default_factory=Start)
-    step: Step = field(default_factory=Step)
+    contacts: Contacts = Contacts()
+    start: Start = Start()
+    step: Step = Step()
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -286,8 +285,8 @@ class Scene(Part):
         return max(2 * self.plate_speed + fall + self.start.speed, 0.1)
 
     def __repr__(self) -> str:
-        parts = (" ".join(line.split()) for line in str(self).splitlines())
-        return f"<Scene: {'; '.join(parts)}>"
+        words = str(self).replace("\n", "; ").split()
+        return f"<Scene: {' '.join(words)}>"
 
     def __str__(self) -> str:
         """Rods, box or annulus, and plate, in cm and Hz."""
@@ -317,23 +316,9 @@ class Scene(Part):
         return hashlib.sha256(self.contents.encode()).hexdigest()[:12]
 
 
-def as_dict(part: Any) -> Any:
-    """A scene, or a part, as plain dictionaries; absent parts are left out."""
-    if not is_dataclass(part) and not hasattr(part, "_asdict"):
-        return part
-    values = vars(part) if is_dataclass(part) else part._asdict()
-    return {name: as_dict(value) for name, value in values.items() if value is not None}
-
-
-def flat(tables: Mapping, prefix: str = "") -> dict[str, Any]:
-    """Nested tables as one table with dotted names."""
-    found: dict[str, Any] = {}
-    for key, value in tables.items():
-        if isinstance(value, dict):
-            found |= flat(value, f"{prefix}{key}.")
-        else:
-            found[f"{prefix}{key}"] = value
-    return found
+def options_of(law: str) -> Mapping[str, inspect.Parameter]:
+    """Options of a contact law, by its name in `LAWS`."""
+    return inspect.signature(LAWS[law]).parameters
 
 
 def _contact(name: str, table: Mapping) -> Contact:
@@ -342,10 +327,9 @@ def _contact(name: str, table: Mapping) -> Contact:
     law, friction = options.pop("law", "constant_restitution"), options.pop("friction", 0.0)
     if not isinstance(law, str) or law not in LAWS:
         raise InputError(f"{name}.law must be one of {', '.join(LAWS)}, got {law!r}")
-    options_of = {one: inspect.signature(make).parameters for one, make in LAWS.items()}
-    takes = options_of[law]
+    takes = options_of(law)
     for key in [one for one in options if one not in takes]:
-        of_another = any(key in others for others in options_of.values())
+        of_another = any(key in options_of(other) for other in LAWS)
         near = get_close_matches(key, ["law", "friction", *takes], 1)
         if near and not of_another:
             raise InputError(f"{name}.{key} is not a key: do you mean {name}.{near[0]}?")
@@ -379,27 +363,26 @@ def _build(kind: Any, name: str, table: object) -> Any:
             raise InputError(f"{path} is not a key of a scene; known there: {there}")
         inner = _part(known[key])
         parts[key] = _build(inner, path, value) if inner else value
-    for part in fields(kind):
-        if part.default is part.default_factory is MISSING and part.name not in parts:
-            raise InputError(f"{name}.{part.name} is missing")
+    for key in known:
+        if key not in parts and not hasattr(kind, key):  # a default is an attribute of the class
+            raise InputError(f"{name}.{key} is missing")
     return kind(**parts)
 
 
-def keys() -> list[tuple[str, str]]:
-    """List the keys of a scene and their defaults, and the options of the contact laws."""
-    found = []
+def keys() -> Iterator[tuple[str, str]]:
+    """Yield the keys of a scene and their defaults, and the options of the contact laws."""
     for name, hint in hints(Scene).items():
-        for part in fields(_part(hint)) if name != "contacts" else ():
-            default = "required" if part.default is MISSING else part.default
-            key = f"{name}.{part.name}"
-            found.append((key, "-" if default is None else str(default)))
-            found += [(twin, f"instead of {key}") for twin in rivals(key)]
-    found.append(("contacts.plate.law (.rods, .wall)", "constant_restitution"))
-    found.append(("contacts.plate.friction (.rods, .wall)", "0.0"))
-    for law, make in LAWS.items():
-        options = inspect.signature(make).parameters.values()
-        found += [(f"  under {law}: {option.name}", f"{option.default}") for option in options]
-    return found
+        kind = _part(hint)
+        for part in hints(kind) if name != "contacts" else ():
+            key, default = f"{name}.{part}", getattr(kind, part, "required")
+            yield key, "-" if default is None else str(default)
+            for twin in rivals(key):
+                yield twin, f"instead of {key}"
+    yield "contacts.plate.law (.rods, .wall)", "constant_restitution"
+    yield "contacts.plate.friction (.rods, .wall)", "0.0"
+    for law in LAWS:
+        for option in options_of(law).values():
+            yield f"  under {law}: {option.name}", str(option.default)
 
 
 def _parsed(assignment: str) -> tuple[str, Any]:
@@ -428,8 +411,8 @@ def put(tables: Mapping, changes: Mapping[str, Any]) -> dict:
     for key, value in changes.items():
         table = changed
         *path, last = key.split(".")
-        absent = [part for part in path[:1] if part in hints(Scene) and part not in changed]
-        if value == "none" and absent:
+        first = key.partition(".")[0]
+        if value == "none" and first in hints(Scene) and first not in changed:
             continue  # it makes no part to take something out of it
         for part in path:
             table = table.setdefault(part, {})
@@ -446,11 +429,11 @@ def put(tables: Mapping, changes: Mapping[str, Any]) -> dict:
 
 def changes_of(name: str, table: object) -> dict[str, Any]:
     """Changes for `put` from a table; a table in place of a value would drop the keys beside it."""
-    if isinstance(table, Mapping):
-        kinds = {(type(key) is str, isinstance(value, Mapping)) for key, value in table.items()}
-        if kinds <= {(True, False)}:
-            return dict(table)
-    raise InputError(f'{name} must hold "key" = value, keys in quotes, got {table!r}')
+    if not isinstance(table, Mapping) or any(
+        not isinstance(key, str) or isinstance(value, Mapping) for key, value in table.items()
+    ):
+        raise InputError(f'{name} must hold "key" = value, keys in quotes, got {table!r}')
+    return dict(table)
 
 
 def read_tables(source: str | Path, examples: Path = SCENES) -> dict:

@@ -47,7 +47,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from emcee import EnsembleSampler, State
+from emcee import EnsembleSampler
 from scipy.stats import qmc
 
 from .domains import InputError, RunError, finite, held, listed, positive, span, tabled, whole
@@ -58,9 +58,9 @@ from .sweep import Sweep, Tally, execute, point_at
 
 _KEYS = "scene", "periods", "seeds", "points", "rounds", "set", "parameters", "data"
 _SEARCHES = Path(__file__).parent / "searches"
-_DEGREES = 3, 2, 1  # of the polynomials that are tried
+_DEGREES = 3, 2, 1  # that polynomials may have
 _ENOUGH = 1.5  # points a coefficient that a polynomial needs
-_SAMPLES, _WALKERS = 2**12, 2**8  # places, and how many of the best are where walkers begin
+_WALKERS = 2**8  # that draw
 _WARM_UPS, _WARM_UP, _STEPS = 6, 25, 150  # steps before draws, and of draws
 _THIN = 10  # steps from draw to draw
 _SEED = 1  # of all random numbers
@@ -131,11 +131,6 @@ class Search:
     points: int
     rounds: int = 1
 
-    @property
-    def measured(self) -> np.ndarray:
-        """Value and error of each target, (targets, 2)."""
-        return np.array([(target.value, target.error) for target in self.targets])
-
     def misfit(self, results: np.ndarray, variance: Any) -> np.ndarray:
         """Sum over the targets of ((result - datum)/error)^2; one without a datum does not count.
 
@@ -144,7 +139,7 @@ class Search:
         results : (..., targets)
         variance : of the results
         """
-        value, error = self.measured.T
+        value, error = np.array([(target.value, target.error) for target in self.targets]).T
         squares = (results - value) ** 2 / (error**2 + variance)
         return np.sum(squares, axis=-1, where=~np.isnan(value))
 
@@ -233,56 +228,45 @@ class Found:
         starts = self.runs.shape[-1]
         scatter = self.runs.var(axis=-1, ddof=int(starts > 1))  # of one start: none
         variance = np.nanmean(scatter, axis=0) / starts
-        found = self.search.misfit(self.results, variance)
-        return np.where(np.isnan(found), np.inf, found)
-
-    @property
-    def best(self) -> int:
-        """Number of the point with the least misfit."""
-        return int(np.argmin(self.misfits))
+        return np.nan_to_num(self.search.misfit(self.results, variance), nan=np.inf)
 
     @property
     def box(self) -> np.ndarray:
-        """Box around the best quarter of the points, widened by the gaps to the other ones.
+        """Ends of a box around the best quarter of the points and some way beyond, (2, parameters).
 
-        Points that are as good as the best one belong to it, however many they are. (2, parameters)
+        Points that are as good as the best one belong to the best, however many they are.
         """
         parts, misfits = self.parts, self.misfits
         good = np.sum(misfits < misfits.min() + _AS_GOOD)
         few = max(len(parts) // 4, 2 * (parts.shape[1] + 1), good)
         near = parts[np.argsort(misfits)[:few]]
         low, high = near.min(axis=0), near.max(axis=0)
-        gap = max(0.1, 2 / len(near)) * (high - low)
-        below = np.where(parts < low, parts, 0).max(axis=0)
-        above = np.where(parts > high, parts, 1).min(axis=0)
-        return np.clip([np.minimum(low - gap, below), np.maximum(high + gap, above)], 0, 1 - 1e-12)
+        margin = (high - low) / 4
+        return np.clip([low - margin, high + margin], 0, 1)
 
     @cached_property
     def estimates(self) -> Estimates:
         """Estimates near the best point: means over draws with weights exp(-misfit/2)."""
         search, (low, high) = self.search, self.box
-        inside = 2 * (self.parts - low) / (high - low) - 1
-        near = (np.abs(inside) <= 1).all(axis=1) & np.isfinite(self.results).all(axis=1)
-        if near.sum() < _ENOUGH * (len(search.parameters) + 1):
+        middle, half = (low + high) / 2, (high - low) / 2
+        places = (self.parts - middle) / half
+        near = (np.abs(places) <= 1).all(axis=1) & np.isfinite(self.results).all(axis=1)
+        if near.sum() < _ENOUGH * (len(half) + 1):
             return Estimates({}, np.empty((0, 0)), [], math.nan)
-        predicted = _surfaces(inside[near], self.results[near])
+        predicted, variance = _surfaces(places[near], self.results[near])
 
-        def unlikely(places: np.ndarray) -> np.ndarray:
-            """Misfit with a term that grows where little is known, which would fit anything."""
-            results, variances = predicted(places)
-            unknown = np.nansum(np.log1p(variances / search.measured[:, 1] ** 2), axis=1)
-            return search.misfit(results, variances) + unknown
+        def misfit(places: np.ndarray) -> np.ndarray:
+            return search.misfit(predicted(places), variance)
 
-        places = _draws(unlikely, len(low))
-        results, variances = predicted(places)
-        parts = low + (places + 1) / 2 * (high - low)
-        values = search.values(parts.T)
-        spread = np.sqrt(results.var(axis=0) + variances.mean(axis=0))
+        draws = _draws(misfit, len(half))
+        values = search.values((middle + half * draws).T)
+        results = predicted(draws)
+        spread = np.sqrt(results.var(axis=0) + variance)
         return Estimates(
             {name: Estimate(float(x.mean()), float(x.std())) for name, x in values.items()},
             np.atleast_2d(np.corrcoef([*values.values()])),
             [*map(Estimate, results.mean(axis=0).tolist(), spread.tolist())],
-            float(search.misfit(results, variances).min()),
+            float(misfit(draws).min()),
         )
 
 
@@ -321,49 +305,36 @@ def _at_targets(given: Search, sweep: Sweep, store: str | Path) -> np.ndarray:
     for target, results in zip(given.targets, found, strict=True):
         if results.shape != sweep.shape or results.dtype != float:
             raise InputError(f"data ask for {target.result}, which is no number")
-    return np.einsum("tpts->pts", found).copy()  # of each target's results those at its own place
+    return np.einsum("tpts->pts", found)  # of each target's results those at its own place
 
 
 # ---- from results to estimates ------------------------------------------------------------------
 
 
-def _surfaces(places: np.ndarray, results: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+def _surfaces(places: np.ndarray, results: np.ndarray) -> tuple[Callable, np.ndarray]:
     """Polynomials of coordinates between -1 and 1, one fitted to each result.
 
-    The degree of each is the one with which its points are best told from the others. It may be off
-    at any place by as much as it misses these points then: how far a result is from a polynomial
-    does not average out, and what else scatters them is not told from that.
+    Their degree is the highest one for which there are enough points. They may be off at any place
+    by as much as they miss a point that is left out of the fit: how far a result is from a
+    polynomial does not average out, and what else scatters them is not told from that.
 
     Parameters
     ----------
-    places : (n, coordinates), enough for a polynomial of degree 1
+    places : (n, coordinates), enough for polynomials of degree 1
     results : (n, targets)
 
     Returns
     -------
-    Function of places, (m, coordinates), that gives the values of the polynomials and their
-    variances, (2, m, targets).
+    Function of places, (m, coordinates), that gives the values of the polynomials, (m, targets),
+    and their variances, (targets,).
     """
-    fits = []
-    for degree in _DEGREES:
-        terms = _terms(places, degree)
-        if len(results) >= _ENOUGH * terms.shape[1]:
-            inverse = np.linalg.pinv(terms)
-            weights = inverse @ results
-            left = 1 - np.einsum("ij,ji->i", terms, inverse)
-            off = (results - terms @ weights) / np.maximum(left, 1e-9)[:, None]
-            fits.append((degree, weights, inverse @ inverse.T, np.mean(off**2, axis=0)))
-    best = np.argmin([scatter for *_, scatter in fits], axis=0)
-
-    def predicted(places: np.ndarray) -> np.ndarray:
-        found = []
-        for degree, weights, spread, scatter in fits:
-            terms = _terms(places, degree)
-            wider = 1 + np.sum(terms @ spread * terms, axis=1)
-            found.append((terms @ weights, np.outer(wider, scatter)))
-        return np.choose(best, found)
-
-    return predicted
+    degree = max(k for k in _DEGREES if len(places) >= _ENOUGH * math.comb(places.shape[1] + k, k))
+    terms = _terms(places, degree)
+    inverse = np.linalg.pinv(terms)
+    weights = inverse @ results
+    own = np.sum(terms * inverse.T, axis=1)  # weight of each point in the value at its place
+    missed = (results - terms @ weights) / np.maximum(1 - own, 1e-9)[:, None]
+    return lambda places: _terms(places, degree) @ weights, np.mean(missed**2, axis=0)
 
 
 def _terms(places: np.ndarray, degree: int) -> np.ndarray:
@@ -377,8 +348,9 @@ def _draws(misfit: Callable[[np.ndarray], np.ndarray], coordinates: int) -> np.n
     """Draw places between -1 and 1 with weights exp(-misfit/2), (n, coordinates).
 
     By emcee's stretch move, which needs no smaller moves along a ridge (Goodman and Weare, Commun.
-    Appl. Math. Comput. Sci. 5, 65, 2010). Walkers begin at the best of evenly spread places; before
-    draws begin, those that are held in lesser minima go to where others are.
+    Appl. Math. Comput. Sci. 5, 65, 2010). Walkers begin at evenly spread places; before draws
+    begin, the worse half of them goes to where the better half is, so that none is held in a lesser
+    minimum.
 
     Parameters
     ----------
@@ -389,17 +361,13 @@ def _draws(misfit: Callable[[np.ndarray], np.ndarray], coordinates: int) -> np.n
     def log_weight(places: np.ndarray) -> np.ndarray:
         return np.where((np.abs(places) <= 1).all(axis=1), -misfit(places) / 2, -np.inf)
 
-    samples = 2 * qmc.Sobol(coordinates, seed=_SEED).random(_SAMPLES) - 1
-    best = samples[np.argsort(misfit(samples))[:_WALKERS]]
-    random = np.random.default_rng(_SEED)
-    walkers = State(best, random_state=np.random.RandomState(_SEED).get_state())
+    walkers = 2 * qmc.Sobol(coordinates, seed=_SEED).random(_WALKERS) - 1
     sampler = EnsembleSampler(_WALKERS, coordinates, log_weight, vectorize=True)
+    sampler.random_state = np.random.RandomState(_SEED).get_state()
     for _ in range(_WARM_UPS):
-        walkers = sampler.run_mcmc(walkers, _WARM_UP, store=False, skip_initial_state_check=True)
-        weights = walkers.log_prob
-        lost = weights < min(np.median(weights), weights.max() - 12.5)
-        others = random.choice(np.flatnonzero(~lost), lost.sum())
-        walkers.coords[lost], walkers.log_prob[lost] = walkers.coords[others], weights[others]
+        state = sampler.run_mcmc(walkers, _WARM_UP, store=False, skip_initial_state_check=True)
+        better = state.coords[np.argsort(state.log_prob)[_WALKERS // 2 :]]
+        walkers = np.concatenate([better, better])
     sampler.run_mcmc(walkers, _STEPS, skip_initial_state_check=True)
     return sampler.get_chain(thin=_THIN, flat=True)
 
@@ -410,18 +378,19 @@ def _draws(misfit: Callable[[np.ndarray], np.ndarray], coordinates: int) -> np.n
 def _parameter(name: str, table: Any) -> Parameter:
     """Make a parameter from its table."""
     tabled(name, table, ("keys", "from", "to"), ("name", "log"))
-    keys, (low, high, log) = listed(table["keys"]) or [], span(name, table)
+    keys = listed(table["keys"]) or []
     if {*map(type, keys)} != {str}:
         raise InputError(f"{name}.keys must be a list of keys of the scene, got {table['keys']!r}")
-    if not low < high:
-        raise InputError(f"{name}.from must be less than to, got {low:g} and {high:g}")
-    return Parameter(str(table.get("name", keys[0])), tuple(keys), low, high, log)
+    found = Parameter(str(table.get("name", keys[0])), tuple(keys), *span(name, table))
+    if not found.low < found.high:
+        raise InputError(f"{name}.from must be less than to, got {found.low:g} and {found.high:g}")
+    return found
 
 
 def _measured(path: Path, result: str) -> list[Target]:
     """Read the targets of a CSV file; lines whose first letter is # are comments.
 
-    A row without a result is predicted: its value and its error are nan.
+    A row without a result is predicted: its value is nan.
     """
     lines = (line for line in text_of(path).splitlines() if line.partition("#")[0].strip())
     try:
@@ -442,9 +411,7 @@ def _measured(path: Path, result: str) -> list[Target]:
             wanted = f"{len(heads)} numbers or empty cells"
             raise InputError(f"{where}, must have {wanted}, got {', '.join(row)}") from None
         value, error = cells.pop(result), cells.pop("error")
-        if math.isnan(value):
-            error = math.nan
-        else:
+        if not math.isnan(value):
             finite(f"{where}, {result}", value)
             positive(f"{where}, error", error)
         place = {key: int(x) if x.is_integer() else x for key, x in cells.items()}
@@ -472,7 +439,7 @@ def expand(tables: Mapping, base: Mapping, folder: Path = Path()) -> Search:
     for table in data if isinstance(data, list) else [data]:
         tabled("data", table, ("file", "result"))
         targets += _measured(folder / str(table["file"]), str(table["result"]))
-    if all(math.isnan(target.error) for target in targets):
+    if all(math.isnan(target.value) for target in targets):
         raise InputError("a search needs data: there are none")
     ranges = held("parameters", tables.get("parameters", []), list)
     parameters = tuple(_parameter(f"parameters[{i}]", table) for i, table in enumerate(ranges))
@@ -491,7 +458,7 @@ def expand(tables: Mapping, base: Mapping, folder: Path = Path()) -> Search:
     if not seeds or len(set(seeds)) < len(seeds):
         raise InputError(f"seeds must be a list of different starts, got {tables['seeds']!r}")
     points = whole("points", tables.get("points", 32), 4, 2**16)
-    if points & (points - 1):
+    if points.bit_count() > 1:
         raise InputError(f"points must be a power of two, for a Sobol sequence, got {points}")
     return Search(
         base=put(base, common),

@@ -7,7 +7,6 @@ import threading
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
-from math import nan
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -16,15 +15,14 @@ import numpy as np
 from tqdm import TqdmWarning
 from tqdm import tqdm as plain_bar
 
-from .cache import digest
+from .cache import SIGNALS, digest
 from .domains import InputError, whole
 from .files import distinct, naming, replacing, writable
 from .host import prepare, step_of
-from .interrupt import SIGNALS
 from .measures import Tables, transient
+from .records import Trajectory, is_trajectory
 from .result import Result
 from .scene import Scene
-from .trajectory import Trajectory, is_trajectory
 
 with warnings.catch_warnings():
     warnings.simplefilter("ignore", TqdmWarning)  # a notebook without ipywidgets shows no bar
@@ -33,7 +31,14 @@ with warnings.catch_warnings():
 progress_bar = tqdm
 plain_bar.set_lock(threading.RLock())  # a semaphore would be left behind by a worker that is ended
 MOST_PERIODS = 10**7  # of a run
-LOSSES = tuple(f"{at}_{by}" for at in ("plate", "rods", "walls") for by in ("normal", "friction"))
+LOSSES = (
+    "plate_normal",
+    "plate_friction",
+    "rods_normal",
+    "rods_friction",
+    "walls_normal",
+    "walls_friction",
+)
 _SAVED = 60.0  # seconds from one checkpoint to the next
 
 
@@ -63,12 +68,11 @@ def _names(scene: Scene) -> dict[str, str]:
 
 def _read(path: Path, scene: Scene) -> tuple[dict, dict[str, np.ndarray]]:
     """Read a checkpoint of this scene: its numbers, and its arrays."""
-    mine = _names(scene)
     try:
         with path.open("rb") as file, np.load(file) as saved:
             arrays = dict(saved)
         about = json.loads(str(arrays.pop("about")))
-        other = [key for key, value in mine.items() if about.pop(key) != value]
+        other = [key for key, value in _names(scene).items() if about.pop(key) != value]
     except OSError as error:
         raise InputError(f"checkpoint {path} cannot be read: {error}") from None
     except Exception:
@@ -119,8 +123,8 @@ class Run:
         self.bar = progress_bar(  # None: on a terminal and in a notebook
             total=periods, unit=" periods", delay=2, disable=None if progress else True
         )
-        words = "compiling the kernels for such a scene, once: 10 to 30 s"
-        notice = threading.Timer(2.0, self.bar.write, [words], {"file": sys.stderr})
+        words = ["compiling the kernels for such a scene, once: 10 to 30 s"]
+        notice = threading.Timer(2.0, self.bar.write, words, {"file": sys.stderr})
         if not self.bar.disable:
             notice.start()
         begin = perf_counter()
@@ -132,7 +136,6 @@ class Run:
         self.energy = engine.energy() if engine.ledger is not None else 0.0  # at the start
         if saved is not None:
             self._restore(*saved, periods)
-        self.bar.update(self.made)
 
     def __enter__(self) -> "Run":
         return self
@@ -149,47 +152,47 @@ class Run:
 
     def _restore(self, about: dict[str, Any], arrays: dict[str, np.ndarray], periods: int) -> None:
         """Restore the state of a checkpoint."""
-        if about["step"] > periods * self.engine.per:
+        engine = self.engine
+        if about["step"] > periods * engine.per:
             raise InputError(
-                f"checkpoint {self.checkpoint} is {about['step'] // self.engine.per} periods long "
+                f"checkpoint {self.checkpoint} is {about['step'] // engine.per} periods long "
                 "already: ask for more, or remove it"
             )
-        if self.engine.ledger is not None and "ledger" not in arrays:
+        if engine.ledger is not None and "ledger" not in arrays:
             raise InputError(
                 f"ledger must be False, as checkpoint {self.checkpoint} was saved without it; "
                 "or remove it to start again"
             )
         self.tables.restore(arrays)
-        self.engine.restore(arrays, about["step"])
+        engine.restore(arrays, about["step"])
         self.seconds, self.energy = about["seconds"], about["energy"]
 
     def save(self) -> None:
         """Write the frames, and then a checkpoint, to the disk."""
-        if self.trajectory is not None:
-            with naming(self.trajectory.path):
-                self.trajectory.flush()
-        if self.checkpoint is None:
+        trajectory, path, place = self.trajectory, self.checkpoint, ("", 0)
+        if trajectory is not None:
+            with naming(trajectory.path):
+                trajectory.flush()
+            place = trajectory.place
+        if path is None:
             return
         about = {
             "step": self.engine.step,
             "energy": self.energy,
             "seconds": self.seconds,
-            "trajectory": self.trajectory.place if self.trajectory is not None else ("", 0),
+            "trajectory": place,
             **_names(self.engine.scene),
         }
         arrays: dict[str, Any] = self.tables.arrays(self.made) | self.engine.arrays()
-        with (
-            naming(self.checkpoint),
-            replacing(self.checkpoint) as part,
-            part.open("wb") as file,
-        ):
+        with naming(path), replacing(path) as part, part.open("wb") as file:
             np.savez(file, about=json.dumps(about), **arrays)
 
     def march(self, periods: int, stop: Callable[[], bool]) -> None:
         """March until so many periods are made, or `stop` says so, call by call of the kernel."""
-        engine, saved, self.bar.total = self.engine, perf_counter(), periods
-        while engine.step < periods * engine.per and not stop():
-            steps = min(engine.pace, periods * engine.per - engine.step)
+        engine, saved = self.engine, perf_counter()
+        self.bar.total, end = periods, periods * engine.per
+        while engine.step < end and not stop():
+            steps = min(engine.pace, end - engine.step)
             if (trajectory := self.trajectory) is not None:
                 frames = trajectory.per_period
                 number, since = divmod(engine.step * frames, engine.per)
@@ -198,16 +201,16 @@ class Run:
                     with naming(trajectory.path):
                         trajectory.write(engine.rods, *now, engine.effects.rolling or 0.0)
                 steps = min(steps, -(-(number + 1) * engine.per // frames) - engine.step)
-            begin, before = perf_counter(), self.made
+            begin = perf_counter()
             engine.go(steps, self.tables.series)
             self.seconds += perf_counter() - begin
-            if engine.record is not None and engine.record.count[0]:
-                rows = engine.record.rows[: engine.record.count[0]]
+            if (record := engine.record) is not None and record.count[0]:
+                rows = record.rows[: record.count[0]]
                 self.tables.add(rows)
                 if self.observe is not None:
                     self.observe(rows.copy())
-                engine.record.count[0] = 0
-            self.bar.update(self.made - before)
+                record.count[0] = 0
+            self.bar.update(self.made - self.bar.n)
             if perf_counter() - saved > _SAVED:
                 self.save()
                 saved = perf_counter()
@@ -238,12 +241,14 @@ class Run:
         engine, tables, periods = self.engine, self.tables, self.made
         c_x, tilt, fell = tables.by_period(periods)
         cut = transient(periods)
+        drift, drift_error = tables.mean(c_x[cut:])
+        lean, lean_error = tables.mean(tilt[cut:])
         found = Result(
             scene=engine.scene,
-            c_x=float(c_x[cut:].mean()) if periods else nan,
-            c_x_stderr=tables.error(c_x[cut:]),
-            tilt_deg=float(tilt[cut:].mean()) if periods else nan,
-            tilt_stderr_deg=tables.error(tilt[cut:]),
+            c_x=drift,
+            c_x_stderr=drift_error,
+            tilt_deg=lean,
+            tilt_stderr_deg=lean_error,
             periods=periods,
             discarded=cut,
             steps_per_period=engine.per,

@@ -1,16 +1,17 @@
-"""One impact of one rod with the plate by soft contacts, by fixed steps or to the last digits.
+"""One impact of one rod with the plate by soft contacts: by the steps of rows, or to 13 digits.
 
-"dop853" is adaptive, with every switch located as an event: between switches (touch, slip, stick,
-slip back, end of the force) the equations are smooth and the method has its full eighth order; each
-switch is found by integrating up to it. The unknowns are displacements since the touch, so that the
-overlap keeps its digits. The velocities in all forces are those of the moment itself.
+"verlet" is the kernel that runs rows and annuli, with one rod. "dop853" is adaptive, with every
+switch located as an event: between switches (touch, slip, stick, slip back, end of the force) the
+equations are smooth and the method has its full eighth order; each switch is found by integrating
+up to it. The unknowns are displacements since the touch, so that the overlap keeps its digits. The
+velocities in all forces are those of the moment itself.
 
 Reduced units: lengths in rod diameters d, masses in the rod's, accelerations in g; so velocities
 are in sqrt(g d) and times in sqrt(d/g).
 """
 
 from collections.abc import Sequence
-from math import cos, nan, pi, sin
+from math import atan2, cos, nan, pi, sin
 from operator import itemgetter
 from time import perf_counter
 from typing import NamedTuple
@@ -20,27 +21,29 @@ from scipy.integrate import DOP853, solve_ivp
 from scipy.optimize import brentq
 
 from .domains import InputError, RunError, held, number, positive
-from .kernels import single
-from .kernels.codes import (
+from .host import at_start
+from .kernels import (
     BACK,
+    DEEP,
     DONE,
     FORWARD,
     FREE,
+    FULL_RECORD,
     IMPULSE,
-    NOT_FINITE,
     PHASES,
     REGIMES,
     SLIDE,
     STICK,
     STUCK,
-    TOO_DEEP,
     TURNED,
     WATCH_DEEPEST,
     WATCH_STOPPED,
     WATCHED,
 )
-from .kernels.state import Effects
-from .kernels.touches import regime_of
+from .kernels.march import Watchers, march
+from .kernels.state import Clock, Effects
+from .kernels.surfaces import rates
+from .kernels.touches import AFTER, new_record, regime_of
 from .laws import (
     Law,
     Rod,
@@ -53,13 +56,12 @@ from .laws import (
     lower_end,
 )
 
-INTEGRATORS = (*single.METHODS, "dop853")
-_ROUGH = 10.0  # friction as a constraint beyond which Gear's method, which predicts slip, is wrong
+INTEGRATORS = "verlet", "dop853"
 _FINE = 100  # default steps per head-on contact time
 _FINEST = 1e8  # largest number of steps of a contact: more would take too long
 _SLOWEST = 1e-30  # speed of an impact below which numbers run out
 _LEAST_MOVE = 1e3  # of a rod in a step, in units in the last place of its height
-_STEPS_A_CALL = 10**6  # some 50 ms: signals are seen between calls
+_STEPS_A_CALL = 500_000  # some 50 ms: signals are seen between calls
 _SWITCHES = 10_000  # of one contact at most; a soft spring that rattles at the end makes hundreds
 _LARGE = 1e4  # friction beyond which the slip stops too soon after the touch to be followed
 
@@ -71,8 +73,8 @@ class Impact(NamedTuple):
     c_z : across the plate, sqrt(g d)
     omega : spin, sqrt(g/d)
     restitution : -v_f/v_0 of the contact point that touched first, against the plate
-    regime : one of `kernels.codes.REGIMES`
-    phases : durations by name in `kernels.codes.PHASES`, sqrt(d/g)
+    regime : one of `kernels.REGIMES`
+    phases : durations by name in `kernels.PHASES`, sqrt(d/g)
     max_overlap : deepest overlap, d
     contact_time : from touch to the end of the force, sqrt(d/g)
     dt : step, sqrt(d/g); nan for the adaptive method
@@ -96,9 +98,9 @@ class Impact(NamedTuple):
 class Outcome(NamedTuple):
     """Outcome of one contact."""
 
-    position: Sequence[float] | np.ndarray  # x, z, tilt at the end
-    velocity: Sequence[float] | np.ndarray  # c_x, c_z, omega
-    watch: np.ndarray  # columns of a watched contact in `codes`
+    tilt: float  # at the end
+    velocity: np.ndarray  # c_x, c_z, omega
+    watch: np.ndarray  # columns of a watched contact in `kernels`
     evaluations: int  # of the forces
     seconds: float  # run time, without compilation
 
@@ -106,15 +108,13 @@ class Outcome(NamedTuple):
 # Fixed steps
 
 
-def _step(
-    law: Law, effects: Effects, speed: float, tilt: float, dt: float | None, method: str
-) -> float:
+def _step(law: Law, effects: Effects, speed: float, tilt: float, dt: float | None) -> float:
     """Step asked for, or a good one, in sqrt(d/g); a step that is not stable is refused."""
     if speed < _SLOWEST:
         raise InputError(f"the impact must be at {_SLOWEST:g} sqrt(g d) or faster, got {speed:g}")
     across, along = np.square(lower_end(effects, tilt).arm(tilt)) * effects.lightness
     caps = 2 if height_of_second(effects, tilt) < 2 * deepest_overlap(law, speed) else 1
-    largest = largest_step(law, effects.friction is not None, speed, along, across, method, caps)
+    largest = largest_step(law, effects.friction is not None, speed, along, across, caps)
     whole = contact_time(law, speed)
     if dt is None:
         return float(min(whole / _FINE, largest / 4))
@@ -129,42 +129,33 @@ def _step(
     return dt
 
 
-def stopped_run(why: int, state: single.State, steps: int, dt: float) -> None:
-    """Raise `RunError` if a run of one rod ended by a state that is not finite or too deep."""
-    if why not in (NOT_FINITE, TOO_DEEP):
-        return
-    text = "its state is not finite" if why == NOT_FINITE else "deeper than d/2 in the plate"
-    raise RunError(
-        f"rod 0: {text} at t = {steps * dt:g} sqrt(d/g); dt = {dt:g}",
-        (*state.position, *state.velocity),
-    )
-
-
 def _by_steps(
-    effects: Effects,
-    position: np.ndarray,
-    velocity: np.ndarray,
-    method: str,
-    dt: float,
-    offset: float,
+    effects: Effects, place: Sequence[float], velocity: Sequence[float], dt: float, offset: float
 ) -> Outcome:
     """Follow one contact with a fixed step, from `offset` steps before the touch.
 
     Parameters
     ----------
     effects : what acts on the rod, the plate included
-    position, velocity : at the touch
-    method, dt, offset : as of `impact`
+    place, velocity : (x, z, tilt) and (c_x, c_z, omega) at the touch
+    dt, offset : as of `impact`
     """
-    state = single.started(method, position - offset * dt * velocity, velocity, dt)
-    watch, steps, why = np.zeros(WATCHED), 0, DONE
-    single.run(effects, state, 0, 0, dt, watch)  # compiles
+    x, z, tilt = np.subtract(place, offset * dt * np.array(velocity))
+    state = at_start(effects, np.array([[x, z, sin(tilt), cos(tilt), *velocity]]))
+    record, steps, why = new_record(1, 1), 0, DONE
+    watchers = Watchers(None, record, None)  # which is full after one touch
+    march(effects, state, watchers, Clock(0, dt), 0)  # compiles
     begin = perf_counter()
     while why == DONE:
-        now, made, why = single.run(effects, state, steps, _STEPS_A_CALL, dt, watch)
-        state, steps = single.State(*now), steps + made
-    stopped_run(why, state, steps, dt)
-    return Outcome(state.position, state.velocity, watch, steps, perf_counter() - begin)
+        made, why, _ = march(effects, state, watchers, Clock(steps, dt), _STEPS_A_CALL)
+        steps += made
+    seconds = perf_counter() - begin
+    if why != FULL_RECORD:
+        at = f"at t = {steps * dt:g} sqrt(d/g); dt = {dt:g}"
+        raise RunError(f"rod 0: {DEEP} d deep in the plate, or not finite, {at}", state.rods[0])
+    _, _, sine, cosine, *_, omega = state.rods[0]
+    tilt = atan2(sine, cosine) - omega * dt  # the last step was free, and does not count
+    return Outcome(tilt, record.rows[0, AFTER : AFTER + 3], record.watch[0], steps - 1, seconds)
 
 
 # Every switch located
@@ -197,8 +188,8 @@ class _Contact:
         return 4 * s**3 * np.array(self.rates(y)[0])
 
     def rates(self, y: np.ndarray) -> tuple[tuple, tuple]:
-        """Derivatives and signals in the present mode, as of `kernels.single.rates`."""
-        return single.rates(*self.setting, self.mode, y)
+        """Derivatives and signals in the present mode, as of `kernels.surfaces.rates`."""
+        return rates(*self.setting, self.mode, y)
 
     def signals(self, y: np.ndarray) -> tuple[float, float, float, float]:
         """Signals that fall to zero as the force, the mode, the first slip ends; the overlap."""
@@ -234,23 +225,18 @@ class _Contact:
 
         A mode may begin where its signal is zero: the zero wanted is a later one.
         """
-        s, y, dense = solver.t_old, solver.y_old, solver.dense_output()
+        s, y = solver.t_old, solver.y_old
 
         def signal(x: float) -> float:
-            return self.signals(dense(x))[which]
+            return self.signals(self.stepped(s, y, x))[which]
 
         starts = (s, *(s + (end - s) / 2**k for k in range(1, 30)))
         start = next((x for x in starts if signal(x) > 0), None)
         if start is None:
             return s, y
-        if signal(end) > 0:
-            return end, self.stepped(s, y, end)
-        root, width = brentq(signal, start, end, xtol=1e-18, rtol=1e-15), 1e-3 * (end - s)
-        for _ in range(2):  # the interpolant is of lower order than the step
-            slope = (signal(root) - signal(root - width)) / width
-            error = self.signals(self.stepped(s, y, root))[which] / slope
-            root = min(max(root - error, s), end)
-        return root, self.stepped(s, y, root)
+        if signal(end) <= 0:
+            end = brentq(signal, start, end, xtol=1e-18, rtol=1e-15)
+        return end, self.stepped(s, y, end)
 
     def first(
         self, solver: DOP853, signals: tuple[float, ...], others: tuple[int, ...]
@@ -327,8 +313,7 @@ def follow(
     else:
         raise RunError(f"the contact has switched {_SWITCHES} times without an end")
     watch[WATCH_STOPPED] = stopped
-    position = np.array([y[0], contact.setting[1][2] + y[1], tilt + y[2]])
-    return Outcome(position, y[3:6], watch, contact.evaluations, perf_counter() - start)
+    return Outcome(tilt + y[2], y[3:6], watch, contact.evaluations, perf_counter() - start)
 
 
 # Either
@@ -343,7 +328,7 @@ def impact(
     friction: float,
     rod: Rod = Rod(),  # noqa: B008  (immutable)
     law: Law | None = None,
-    integrator: str = "leapfrog",
+    integrator: str = "verlet",
     dt: float | None = None,
     offset: float = 0.5,
     tolerance: float | None = None,
@@ -359,9 +344,8 @@ def impact(
     friction : Coulomb coefficient, >= 0; 0: none is simulated, inf: no slip
     rod : length, inertia and ends
     law : contact law; default `coulomb(restitution=0.65)`
-    integrator : "leapfrog", "verlet", "gear", or the adaptive "dop853" with located events, which
-        follows one cap or corner only, with a friction up to 10,000; "gear" takes no plastic
-        contact, and friction as a constraint up to 10
+    integrator : "verlet", the fixed steps of rows, or the adaptive "dop853" with located events,
+        which follows one cap or corner only, with a friction up to 10,000
     dt : step, sqrt(d/g); default a hundredth of the contact time or a quarter of the stable step
     offset : part of a step that is left at the first step until the touch, 0 to 1; "dop853", which
         begins at the touch, makes no use of it
@@ -389,12 +373,6 @@ def impact(
         raise InputError(f"{useless} has no meaning under {integrator}, got {value!r}")
     offset = number("offset", offset, 0.0, 1.0)
     effects = effects_of(rod, law, friction, None, None)
-    if integrator == "gear":
-        if law.normal.plastic:
-            raise InputError("gear needs a restitution above 0, got a plastic contact")
-        if law.spring is None and friction > _ROUGH:
-            limit = f"at most {_ROUGH:g} under gear, as a constraint"
-            raise InputError(f"friction must be {limit}, got {friction!r}")
     if adaptive and friction > _LARGE:
         raise InputError(f"friction must be at most {_LARGE:g} under dop853, got {friction!r}")
     end = lower_end(effects, tilt)
@@ -404,21 +382,20 @@ def impact(
         raise InputError(
             f"c_z must bring the contact point towards the plate: it moves away at {-speed:g}"
         )
-    step = _step(law, effects, speed, tilt, dt, "leapfrog" if adaptive else integrator)
+    step = _step(law, effects, speed, tilt, dt)
     if adaptive:
         tolerance = number("tolerance", 1e-13 if tolerance is None else tolerance, 1e-14, 1e-3)
         done = follow(effects, tilt, velocity, tolerance)
         step = nan
     else:
-        position = np.array([0.0, -a_z, tilt])
-        if speed < (slowest := _LEAST_MOVE * np.spacing(position[1]) / step):
+        if speed < (slowest := _LEAST_MOVE * np.spacing(-a_z) / step):
             raise InputError(
                 f"the impact must be at {slowest:.2g} sqrt(g d) or faster at dt = {step:.3g}, or "
                 f"under dop853; got {speed:g}"
             )
-        done = _by_steps(effects, position, np.array(velocity), integrator, step, offset)
+        done = _by_steps(effects, (0.0, -a_z, tilt), velocity, step, offset)
     c_x, c_z, omega = map(float, done.velocity)
-    v_f = c_z - omega * end.arm(done.position[2])[0]
+    v_f = c_z - omega * end.arm(done.tilt)[0]
     durations = done.watch[:IMPULSE]
     return Impact(
         c_x=c_x,

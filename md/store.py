@@ -16,9 +16,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from .domains import InputError, held
+from .domains import InputError, flat, held
 from .files import empty, plain, replacing, tried, writable
-from .scene import flat
 from .units import in_cm
 
 _VERSION = 2  # 1: other names of keys and columns
@@ -130,6 +129,8 @@ class Store:
     def put(self, key: str, about: dict[str, Any], result: dict | None, error: str | None) -> None:
         """Write a run; it is on the disk when this returns, and no result is replaced.
 
+        A row of a run that failed gives way.
+
         Parameters
         ----------
         key : of the run
@@ -146,9 +147,11 @@ class Store:
         }
         names, places = ", ".join(row), ", :".join(row)
         with self._failing("cannot be written"), self.database:
-            self.database.execute("BEGIN IMMEDIATE")
-            self.database.execute("DELETE FROM runs WHERE key = ? AND result IS NULL", (key,))
-            self.database.execute(f"INSERT OR IGNORE INTO runs ({names}) VALUES (:{places})", row)
+            self.database.execute(
+                f"INSERT OR REPLACE INTO runs ({names}) SELECT :{places} WHERE NOT EXISTS "
+                "(SELECT 1 FROM runs WHERE key = :key AND result IS NOT NULL)",
+                row,
+            )
 
     def result(self, key: str) -> dict | None:
         """Result of a run; None if the store does not hold it, or it failed.

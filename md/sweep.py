@@ -52,16 +52,16 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from joblib import Parallel, cpu_count, delayed, parallel_config
+from joblib import Parallel, delayed, effective_n_jobs, parallel_config
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 
 from . import cache
 from .accuracy import MAX_SECONDS, checked, run, stepped
-from .domains import InputError, RunError, held, in_notebook, listed, span, tabled, whole
+from .cache import deferred
+from .domains import InputError, RunError, as_dict, held, in_notebook, listed, span, tabled, whole
 from .files import warn
 from .host import step_of
-from .interrupt import deferred
-from .scene import Scene, as_dict, changes_of, from_tables, put, read_tables, scene_beside
+from .scene import Scene, changes_of, from_tables, put, read_tables, scene_beside
 from .simulation import MOST_PERIODS, progress_bar
 from .store import Store, named
 from .units import error_of, labelled
@@ -204,7 +204,7 @@ class Sweep:
         results, variables = self._results(store), {}
         if missing := results.count(None):
             warn(f"{missing} of {len(results)} runs are missing in {store}, or have failed")
-        for name in dict.fromkeys([*names, *map(error_of, names)]):
+        for name in [*names, *map(error_of, names)]:
             array = self._array(results, name)
             inner = [f"{name}.{i}" for i in range(array.ndim - len(dims))]
             variables[name] = (*dims, *inner), array
@@ -276,15 +276,18 @@ def expand(tables: Mapping, base: Mapping | None = None) -> Sweep:
         periods = 0
     given = held("axes", tables.get("axes", []), list)
     axes = tuple(_axis(i, table) for i, table in enumerate(given))
-    common, points = changes_of("set", tables.get("set", {})), []
-    along = [key for axis in axes for key in axis]
-    keys = [*common, *along]
+    common = changes_of("set", tables.get("set", {}))
+    keys = [*common, *itertools.chain(*axes)]
     if twice := {key for key in keys if keys.count(key) > 1}:
         raise InputError(f"{', '.join(sorted(twice))} may stand on one axis alone, or under set")
-    if (size := math.prod(Sweep(axes, ()).shape)) > _MOST_POINTS:
+    shape = Sweep(axes, ()).shape
+    if (size := math.prod(shape)) > _MOST_POINTS:
         raise InputError(f"a sweep may have {_MOST_POINTS} points, got {size}")
-    for place in itertools.product(*(zip(*axis.values(), strict=True) for axis in axes)):
-        values = dict(zip(along, itertools.chain(*place), strict=True))
+    points = []
+    for place in np.ndindex(shape):
+        values: dict[str, Any] = {}
+        for axis, number in zip(axes, place, strict=True):
+            values |= {key: along[number] for key, along in axis.items()}
         changes = changes_of("axes", values)
         points.append(point_at(base, {**common, **changes}, changes, periods, **chosen))
     return Sweep(axes, tuple(points))
@@ -343,7 +346,8 @@ def _of_run(point: Point) -> dict:
 
 def _one(point: Point) -> tuple[str, dict | None, str | None, float]:
     """Run a point: its key, its result or why it failed, and its seconds."""
-    begin, result, error, measure = perf_counter(), None, None, point.measure
+    begin, measure = perf_counter(), point.measure
+    result = error = None
     try:
         result = measure.function(point.scene, point.periods) if measure else _of_run(point)
     except (InputError, RunError) as failure:
@@ -380,8 +384,10 @@ def pool(tasks: list, workers: int, **how: Any) -> Iterator[Generator[Any, None,
                 ending.callback(warnings.simplefilter, "ignore")
             yield results
         except TerminatedWorkerError:
-            again = "what was finished is kept: the same command goes on"
-            raise RunError(f"a worker process died, for want of memory perhaps; {again}") from None
+            raise RunError(
+                "a worker process died, for want of memory perhaps; what was finished is kept: "
+                "the same command goes on"
+            ) from None
 
 
 @dataclass
@@ -450,10 +456,9 @@ def execute(
         wanted = [p for key, p in points.items() if not database.has(key, failed=not retry)]
         tally = Tally(len(sweep.points), len(points), len(points) - len(wanted))
         bar = progress_bar(total=len(wanted), unit=" runs", disable=None if progress else True)
-        processes = min(cpu_count() if workers == -1 else workers, len(wanted) or 1)
-        tasks = [*map(delayed(_one), wanted)]
+        jobs = -1 if scheduler else min(effective_n_jobs(workers), len(wanted) or 1)
         try:
-            with bar, pool(tasks, -1 if scheduler else processes) as results:
+            with bar, pool([*map(delayed(_one), wanted)], jobs) as results:
                 for key, result, error, seconds in results:
                     point = points[key]
                     about = {
@@ -495,8 +500,16 @@ def _backend(scheduler: str | None) -> Iterator[None]:
             f"scheduler must be the address of a Dask cluster, got {scheduler!r}: {error}"
         ) from None
     ended = threading.Event()
+
+    def watch() -> None:
+        """Interrupt a sweep whose scheduler is gone, as it would wait without end."""
+        while not ended.wait(1.0):
+            if client.status == "closed":
+                interrupt_main()
+                return
+
     with client:
-        threading.Thread(target=_watch, args=(client, ended), daemon=True).start()
+        threading.Thread(target=watch, daemon=True).start()
         try:
             client.wait_for_workers(1, timeout=PATIENCE)
             with parallel_config("dask", client=client):
@@ -505,16 +518,9 @@ def _backend(scheduler: str | None) -> Iterator[None]:
             gone = client.status != "running"
             if gone or type(error).__module__.startswith("distributed"):
                 why = "is gone" if gone else f"failed ({' '.join(str(error).split())})"
-                kept = "what was finished is kept"
-                raise RunError(f"the scheduler {scheduler} {why}; {kept}") from None
+                raise RunError(
+                    f"the scheduler {scheduler} {why}; what was finished is kept"
+                ) from None
             raise
         finally:
             ended.set()
-
-
-def _watch(client: Any, ended: threading.Event) -> None:
-    """Interrupt a sweep whose scheduler is gone, as it would wait without end."""
-    while not ended.wait(1.0):
-        if client.status == "closed":
-            interrupt_main()
-            return

@@ -19,9 +19,9 @@ from collections.abc import Callable, Mapping
 from functools import cache
 from math import pi, sqrt
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
-from .domains import InputError, held, not_negative
+from .domains import InputError, flat, held, not_negative
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -65,15 +65,6 @@ def rivals(key: str) -> list[str]:
     return [name for name in same if name != key]
 
 
-def _value(tables: Mapping, key: str) -> Any:
-    """Value of a dotted key; None if there is none."""
-    part, _, name = key.partition(".")
-    table = tables.get(part, {})
-    if not isinstance(table, Mapping):
-        raise InputError(f"{part} must be a table, got {table!r}")
-    return table.get(name)
-
-
 def reduced(tables: Mapping) -> tuple[dict[str, float], dict[str, str]]:
     """Values of a scene's tables that are given in cm and cm/s, in reduced units.
 
@@ -88,28 +79,30 @@ def reduced(tables: Mapping) -> tuple[dict[str, float], dict[str, str]]:
         If two keys say the same, a key lacks the one that it needs, or a value is out of its
         domain.
     """
-    changes, said = {}, {}
+    changes, said, given = {}, {}, flat(tables)
     for name, (key, scale, unit) in TWINS.items():
-        value = _value(tables, name)
-        if value is None:
+        if name not in given:
             continue
         for other in rivals(name):
-            if _value(tables, other) is not None:
+            if other in given:
                 raise InputError(f"{name} and {other} say the same: give one of them, not both")
-        if (by := _value(tables, scale)) is None:
+        if (part := scale.partition(".")[0]) in given:
+            raise InputError(f"{part} must be a table, got {given[part]!r}")
+        if scale not in given:
             raise InputError(f"{scale} is missing: {name} needs it")
-        one = unit(held(scale, by, SCALES[scale]))
-        changes[key] = not_negative(name, value) / one
-        said[key] = f"{name} = {value!r}, in units of {one:.6g}"
+        one = unit(held(scale, given[scale], SCALES[scale]))
+        changes[key] = not_negative(name, given[name]) / one
+        said[key] = f"{name} = {given[name]!r}, in units of {one:.6g}"
     return changes, said
 
 
 def in_cm(tables: Mapping) -> dict[str, float]:
     """Values of the keys in cm and cm/s, from tables in reduced units (`scene.as_dict`)."""
+    given = flat(tables)
     return {
-        name: value * unit(_value(tables, scale))
+        name: given[key] * unit(given[scale])
         for name, (key, scale, unit) in TWINS.items()
-        if (value := _value(tables, key)) is not None
+        if key in given
     }
 
 

@@ -12,14 +12,12 @@ import numpy as np
 
 import md
 from md.host import Engine, at_start
-from md.kernels.codes import (
+from md.kernels import (
     ANNULUS_LEDGER,
     DIRECTOR,
     LEDGER_COLUMNS,
     PLACE,
     ROW_COLUMNS,
-    ROW_DIRECTION,
-    ROW_PLACE,
     SPACE_COLUMNS,
     TURN,
     VELOCITY,
@@ -33,6 +31,7 @@ from md.kernels.touches import new_record
 from md.kernels.vectors import IN_SPACE
 from md.laws import Rod
 
+ROW_PLACE, ROW_DIRECTION, ROW_VELOCITY = slice(0, 2), slice(2, 4), slice(4, 7)  # of a row's rods
 SOFT = 1e5  # k_n of most tests: contacts fifty times as long as the paper's allow long steps
 HALF = 4.25  # of the paper's rods
 EXPERIMENT = md.Annulus(7.28 / 2 / 0.635, 9.45 / 2 / 0.635)  # in rod diameters
@@ -128,7 +127,7 @@ def started(effects, rods, dt=1e-4):
     plane = len(effects.up) == 2
     rods = np.array(rods, order="F" if plane else "C")
     columns = LEDGER_COLUMNS if plane else ANNULUS_LEDGER
-    watchers = Watchers(np.zeros(columns), new_record(len(rods), 4096), None)
+    watchers = Watchers(np.zeros(columns), new_record(len(rods), 4096 + len(rods)), None)
     plate, state = effects.plate, at_start(effects, rods)
     per = plate.height.size if plate else 1
     return Engine(None, effects, state, watchers, plate, dt, per)

@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 import md
 from figures.claims.measure_annulus import largest_tilt_of_flat
 from md.host import prepare
-from md.kernels.codes import DIRECTOR, PLACE, TURN, VELOCITY
+from md.kernels import DIRECTOR, PLACE, TURN, VELOCITY
 from md.placement import largest_tilt, placed
 from md.result import result_text
 from md.scene import GAP

@@ -11,8 +11,8 @@ from scipy.optimize import lsq_linear
 
 import md
 from impact import Body, collide_pair
+from md.kernels import C_X, OMEGA, PAIR_NORMAL
 from md.kernels.batch import SIZE
-from md.kernels.codes import C_X, OMEGA, PAIR_NORMAL, ROW_DIRECTION, ROW_PLACE, ROW_VELOCITY
 from md.kernels.contact import ContactForces
 from md.kernels.neighbours import Axes, between_ends, near_end
 from md.kernels.state import Walls
@@ -26,6 +26,9 @@ from .rows import (
     LOSSY,
     PLANE,
     ROUGH,
+    ROW_DIRECTION,
+    ROW_PLACE,
+    ROW_VELOCITY,
     SMOOTH,
     SOFT,
     SPACE,

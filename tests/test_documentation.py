@@ -25,7 +25,6 @@ PUBLIC = [
     "md.search",
     "md.store",
     "md.sweep",
-    "md.trajectory",
 ]
 
 

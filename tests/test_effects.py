@@ -12,15 +12,12 @@ from numpy.testing import assert_array_equal
 import md
 from md import host
 from md.host import prepare
-from md.kernels import single
-from md.kernels.codes import WATCHED
 from md.kernels.contact import ContactForces, Friction, Normal
 from md.kernels.march import Watchers
 from md.kernels.state import Walls
 from md.kernels.vectors import IN_PLANE, IN_SPACE
 
 from .rows import AT_REST, LOSSY, ROLLING, SOFT, SPACE, in_plane, ring, row, started
-from .track import effects, swinging
 
 # The text of a compiled kernel: what it takes and what it looks at
 
@@ -141,6 +138,13 @@ EFFECTS = {
         "state.springs effects.normal.quarter",
         "copysign",
     ),
+    "spring's dissipation": (
+        SHAKEN | {"friction": Friction(0.3, md.constant_restitution(1.0, SOFT).spring)},
+        SHAKEN | {"friction": SPRING},
+        ALOFT,
+        "effects.friction.spring.damping_ratio",
+    ),
+    "flat ends": (REST | {"flat": True}, REST, ALOFT, "effects.flat"),
     "rod-rod contact": (
         TOUCHING,
         {},
@@ -226,57 +230,3 @@ def test_no_friction_is_the_same_as_a_coefficient_of_zero():
     assert engine.effects.between is engine.effects.shaken is engine.state.listed is None
     assert engine.effects.rolling is None
     assert prepare(ring(*ROLLING)).effects.rolling > 0
-
-
-# One rod
-
-LOOP = fresh(single.run)
-
-
-def compiled(law=None, watch=None, **scene):
-    """The loop over steps for one scene; by default there is nothing but Hertz's force."""
-    made = effects(law or md.coulomb(1.0), **scene)
-    state = single.started("leapfrog", (0, 9, 0), (0, 0, 0), 1e-3)
-    LOOP(made, state, 0, 0, 1e-3, watch)
-    return text_of(LOOP, effects=made, state=state, first=0, steps=0, dt=1e-3, watch=watch)
-
-
-RUBBING = {"friction": 0.3, "plate": swinging(0.05, 1000)}
-UNDAMPED = {"law": md.constant_restitution(1.0, tangential_damping=0.0)}
-ALONE = {  # the loop with them, without them; arguments, and instructions that only they need
-    "dissipation, gravity, flat ends and record": (
-        {
-            "law": md.coulomb(0.65),
-            "gravity": (0.0, -1.0),
-            "rod": md.Rod(8.0, ends="flat"),
-            "watch": np.zeros(WATCHED),
-        },
-        {},
-        "effects.normal.quarter effects.gravity effects.flat watch",
-        "fdiv",
-    ),
-    "friction and vibration": (
-        RUBBING,
-        {},
-        "effects.friction effects.plate",
-        "fdiv",
-        "[su]rem (?:<.*> )?i64",
-    ),
-    "tangential spring": (
-        RUBBING | UNDAMPED,
-        RUBBING,
-        "effects.friction.spring",
-        r"llvm\.copysign",
-    ),
-    "tangential damping": (
-        RUBBING | {"law": md.constant_restitution(1.0)},
-        RUBBING | UNDAMPED,
-        "effects.friction.spring.damping_ratio",
-    ),
-}
-
-
-@pytest.mark.parametrize("effect", ALONE)
-def test_absent_effects_have_no_code_for_one_rod(effect):
-    there, gone, *signs = ALONE[effect]
-    assert_absent(compiled(**there), compiled(**gone), *signs)

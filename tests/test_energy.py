@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 import md
 from md.host import plate_motion, prepare
-from md.kernels.codes import (
+from md.kernels import (
     C_X,
     C_Z,
     COSINE,
@@ -68,7 +68,7 @@ from .rows import (
     vectors,
 )
 from .sampling import EPS, power
-from .track import CONTACT, LAWS, damped, each_integrator, effects, track
+from .track import CONTACT, LAWS, damped, effects, track
 
 LOSSLESS = {"normal": ELASTIC, "friction": SMOOTH}
 
@@ -165,13 +165,12 @@ def test_rods_start_apart_and_with_no_momentum(scene):
     assert abs(along.mean()) < EPS
 
 
-@each_integrator
-def test_m15_horizontal_momentum_where_nothing_acts(integrator):
+def test_m15_horizontal_momentum_where_nothing_acts():
     """Horizontal velocity without friction stays, to 1e-12, however many impacts there are."""
     dt, steps = 4e-5, 1_000_000
     scene = effects(md.coulomb(), 0.0, (0.0, -1.0))
     start = 0.0, 5.0, 0.1, 0.3, 0.0, 0.0
-    samples = track(scene, start, dt, steps, every=1000, method=integrator)
+    samples = track(scene, start, dt, steps, every=1000)
     assert np.abs(samples[:, 5]).max() > 0.1  # it was hit
     assert np.abs(samples[:, 3] - 0.3).max() <= 1e-12
     flown = samples[-1, 0] - samples[0, 0]

@@ -20,8 +20,7 @@ from figures.checks.census import census, compared, measures
 from figures.checks.states import BLOCK, FALLEN, MISSING, SINGLE, ZIGZAG
 from figures.lib import runs
 from impact import ContactGeometry, Regime, classify, collide, drift, spherocylinder, thin_rod
-from md.kernels import touches
-from md.kernels.codes import C_Z, COSINE, ROW_COLUMNS, SINE, Z
+from md.kernels import C_Z, COSINE, ROW_COLUMNS, SINE, Z, touches
 from md.scene import from_tables, put
 
 from .quick_figures import (

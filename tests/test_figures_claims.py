@@ -11,14 +11,16 @@ from numpy.random import default_rng
 
 import md
 from figures import FIGURES
-from figures.claims import any_rods, judge, limits, measure_annulus, measure_rows, over_tilt
+from figures.claims import any_rods, gear, judge, limits, measure_annulus, measure_rows, over_tilt
 from figures.claims.evidence import Evidence, Whole
 from figures.claims.limits import CLOSE, FAILS, HOLDS, MISSING
 from figures.claims.uncertainty import Number, count, onset, peak, resampled, standard
 from figures.lib import arrangement, runs
 from figures.lib.data import keep
+from figures.lib.soft_impacts import PAPER_STEP, TABLE_TILTS, one_impact
 from figures.pages import gallery
 from md.host import step_of
+from md.laws import contact_time
 
 from .command_line import enter, names_in
 from .quick_figures import data, tiny
@@ -334,6 +336,21 @@ def test_a_claim_without_data_leaves_the_others(monkeypatch, surveyed):
         judge.judge(quick=True)
 
 
+@pytest.mark.parametrize(
+    ("law", "apart", "off"),
+    [(md.appendix_a(), (1e-8, 1e-5), 3e-6), (md.coulomb(), (1e-5, 3e-3), 3e-4)],
+)
+def test_two_methods_of_the_papers_time_meet_the_impact(law, apart, off):
+    """Their forces are written out for them; they differ from `md.impact` as their step does."""
+    least, most = apart
+    assert least < gear.difference(law) < most
+    dt = PAPER_STEP / 4
+    steps = int(2 * contact_time(law, 1.0) / dt)
+    hits = [one_impact(tilt, law, dt=dt)[:3] for tilt in TABLE_TILTS]
+    for method in (gear.leapfrog, gear.gear):
+        assert np.abs(method(law, dt, steps) - np.transpose(hits)).max() < off
+
+
 def test_the_command_judges_claims(tmp_path, monkeypatch):
     """Stored figures are read, as far as the folder holds them; every number is registered."""
     kind, ones = np.array([[-1, 0], [1, 1], [1, 1]]), np.ones((3, 2))
@@ -350,7 +367,7 @@ def test_the_command_judges_claims(tmp_path, monkeypatch):
 
     monkeypatch.setattr(judge, "measure", noted)
     with tiny() as patch:
-        patch.setattr(measure_rows, "gear_from_leapfrog", lambda: (0, 1))  # another test has it
+        patch.setattr(gear, "difference", lambda law: float(law.name == "appendix_a"))
         patch.setattr("figures.lib.data.load", lambda name: Mock(data=lambda quick: data(name)))
         enter("figures claims --quick --out", tmp_path, "--store", runs.STORE)
     assert names_in(tmp_path) == {"alpha.npz", "fig02.npz", "claims.json", "claims.md"}

@@ -7,7 +7,7 @@ from unittest.mock import Mock
 import pytest
 
 import md
-from md import simulation, trajectory
+from md import records, simulation
 
 from .command_line import enter, names_in
 from .rows import LIVELY, ROW, row, sets
@@ -19,8 +19,8 @@ FULL = Mock(side_effect=OSError(errno.ENOSPC, os.strerror(errno.ENOSPC)))  # a d
     ("where", "what", "file"),
     [
         (simulation.np, "savez", "w.npz"),
-        (trajectory.Trajectory, "write", "a.xyz"),
-        (trajectory.Trajectory, "flush", "a.xyz"),
+        (records.Trajectory, "write", "a.xyz"),
+        (records.Trajectory, "flush", "a.xyz"),
     ],
 )
 def test_a_run_that_a_full_disk_has_ended_goes_on(tmp_path, monkeypatch, where, what, file):

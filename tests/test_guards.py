@@ -10,19 +10,17 @@ from numpy.random import default_rng
 from numpy.testing import assert_array_equal
 
 import md
+from md import kernels
 from md.host import plate_motion, prepare
-from md.kernels import codes, touches
-from md.kernels.codes import (
+from md.kernels import (
     DEEP,
     DIRECTOR,
     PLACE,
     PLATE_WORK,
-    ROW_DIRECTION,
-    ROW_PLACE,
-    ROW_VELOCITY,
     TURN,
     VELOCITY,
     X,
+    touches,
 )
 from md.kernels.contact import ContactForces, Friction
 from md.kernels.state import Motion, Walls
@@ -38,6 +36,9 @@ from .rows import (
     PLANE,
     ROLLS,
     ROUGH,
+    ROW_DIRECTION,
+    ROW_PLACE,
+    ROW_VELOCITY,
     SMOOTH,
     SOFT,
     SPACE,
@@ -183,7 +184,7 @@ def test_a_rod_pressed_between_shaken_walls_moves_with_them():
     plate = Motion(np.full(4 * quarter, -1e3), 0.2 * np.sin(turn))
     rod = started(SPACE._replace(walls=walls, plate=plate), in_space(((5.495, 0, 0), (0, 0, 1))))
     rubs = go(rod, quarter // 2).state.forces[0, :, 3]
-    inner, outer = (rubs[slot : slot + 2].sum() for slot in (codes.INNER, codes.OUTER))
+    inner, outer = (rubs[slot : slot + 2].sum() for slot in (kernels.INNER, kernels.OUTER))
     assert 0 < inner == pytest.approx(outer, rel=1e-3)
     assert go(rod, quarter // 2).rods[0, VELOCITY + 2] == pytest.approx(0.2, rel=2e-3)
     assert rod.ledger[PLATE_WORK] == pytest.approx(0.2**2 / 2, rel=4e-3)

@@ -10,7 +10,6 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from functools import partial
 
-import numpy as np
 import pytest
 from numba.extending import overload
 from numpy.random import default_rng
@@ -19,12 +18,11 @@ import impact
 import md
 from derivations import files
 from impact import _interrupt, _jit, bouncing
-from md import cache, command_line, interrupt
+from md import cache, command_line
 from md.files import replacing
 from md.host import prepare
-from md.kernels import single
-from md.kernels.codes import WATCHED
-from md.laws import effects_of
+from md.kernels.march import march
+from md.kernels.state import Clock
 
 from .command_line import COMMANDS, ROOT, each_signal, ended, left, python
 from .rows import LIVELY, go, row
@@ -42,7 +40,7 @@ def alarm():
     def ring(*_):
         raise RungError
 
-    usual = {number: signal.getsignal(number) for number in interrupt.SIGNALS}
+    usual = {number: signal.getsignal(number) for number in cache.SIGNALS}
     signal.signal(signal.SIGALRM, ring)
     signal.signal(signal.SIGTERM, lambda *_: pytest.fail("SIGTERM"))
     yield partial(signal.setitimer, signal.ITIMER_REAL)
@@ -57,13 +55,12 @@ def alarm():
 def test_all_packages_do_the_same():
     """Sources that stand in several packages are the same: none imports another."""
     for one, other in (
-        (_interrupt.deferred, interrupt.deferred),
+        (_interrupt.deferred, cache.deferred),
         (files.plain, md.files.plain),
         (files.replacing, replacing),
     ):
         assert inspect.getsource(one) == inspect.getsource(other)
-    for name in ("command_line", "early_signals"):
-        assert len({(ROOT / package / f"{name}.py").read_bytes() for package in COMMANDS}) == 1
+    assert len({(ROOT / package / "command_line.py").read_bytes() for package in COMMANDS}) == 1
 
 
 def test_handlers_run_at_the_end_of_the_outermost():
@@ -74,23 +71,23 @@ def test_handlers_run_at_the_end_of_the_outermost():
         done.append(number)
         raise RungError
 
-    @interrupt.deferred()
+    @cache.deferred()
     def inner():
-        for number in interrupt.SIGNALS:
+        for number in cache.SIGNALS:
             signal.raise_signal(number)
         done.append("inner")
 
-    @interrupt.deferred()
+    @cache.deferred()
     def outer():
         inner()
         done.append("outer")
 
-    for number in interrupt.SIGNALS:
+    for number in cache.SIGNALS:
         signal.signal(number, handle)
     with pytest.raises(RungError):
         outer()
     assert done[:2] == ["inner", "outer"]
-    assert sorted(done[2:]) == sorted(interrupt.SIGNALS)
+    assert sorted(done[2:]) == sorted(cache.SIGNALS)
     with pytest.raises(RungError):
         signal.raise_signal(signal.SIGALRM)
 
@@ -98,7 +95,7 @@ def test_handlers_run_at_the_end_of_the_outermost():
 def test_other_threads_have_no_signals():
     """Work in another thread, where Python would refuse a handler, is done without."""
     with ThreadPoolExecutor() as pool:
-        assert pool.submit(interrupt.deferred()(lambda: True)).result()
+        assert pool.submit(cache.deferred()(lambda: True)).result()
 
 
 @pytest.mark.parametrize(
@@ -138,9 +135,9 @@ def test_a_compilation_ends_before_a_handler_runs(kernel, called, monkeypatch, t
 
 def test_no_kernel_builds_its_result_by_calling_python():
     """No part is a named tuple, which Numba builds in Python and dies if a handler raises there."""
-    scene = effects_of(md.Rod(), md.coulomb(), 0.4, None, None)
-    state = single.started("leapfrog", (0, 9, 0), (0, 0, 0), 1e-4)
-    parts = [single.run(scene, state, 0, 1, 1e-4, np.zeros(WATCHED))]
+    engine = prepare(row(*ALOFT))
+    clock = Clock(0, engine.dt)
+    parts = [march(engine.effects, engine.state, engine.watchers, clock, 1)]
     while parts:
         part = parts.pop()
         assert not hasattr(part, "_fields")
@@ -313,7 +310,7 @@ def test_a_signal_during_the_imports_ends_the_command(line, number, tmp_path):
             cwd=tmp_path,
             env=os.environ | {"PYTHONPATH": str(ROOT)},
         ) as process:
-            while "early_signals" not in process.stderr.readline():
+            while "click" not in process.stderr.readline():
                 assert process.poll() is None
             time.sleep(seconds)
             process.send_signal(number)

@@ -107,7 +107,7 @@ def followed(starts, tolerance, confidence=0.95):
     """The goal of starts with these drifts, as it ends."""
     goal = accuracy._Goal(tolerance, confidence, 0.0, 1e9, len(starts))
     periods = goal.first
-    while not goal.over:
+    while periods:
         histories = [np.array([drift[:periods], np.zeros(periods)]) for drift in starts]
         periods = goal.judge(histories, seconds=1.0)
     return goal

@@ -26,13 +26,12 @@ def half(x):
 
 CALL = """
 import json, md
-from md.kernels.contact import Spring
-from md.kernels.codes import STICK
-from md.kernels.single import Slip, in_mode
-force = in_mode(Spring(root=1.0), STICK, 1.0, 0.3, 0.1, Slip(0.0, 0.0, 1.0))[0]
-stats = in_mode._compile_for_args().stats  # of the twin that Python calls
+from md.kernels.contact import Normal
+from md.kernels.march import of_plate
+energy = of_plate(Normal(1.0), None, 0.0, (0.0, 0.0), (0.0, 1.0), 0.5)
+stats = of_plate._compile_for_args().stats  # of the twin that Python calls
 counts = [sum(found.values()) for found in (stats.cache_hits, stats.cache_misses)]
-print(json.dumps([md.__file__, force, *counts]))
+print(json.dumps([md.__file__, energy, *counts]))
 """
 
 
@@ -57,7 +56,7 @@ def run(copy, *words):
 
 
 def call(copy):
-    """A force from a fresh process, and whether its kernel was loaded or compiled."""
+    """An energy from a fresh process, and whether its kernel was loaded or compiled."""
     done = run(copy, CALL)
     file, *rest = json.loads(done.stdout)
     assert Path(file).parent == copy
@@ -73,19 +72,19 @@ def kept(copy):
 def test_kernels_are_kept_and_an_edit_anywhere_compiles_anew(copy):
     """An edit of a callee in another file, which Numba's own cache does not see, is not missed.
 
-    `single.in_mode` asks `contact` for the stiffness of the spring, which is doubled there.
+    `march.of_plate` asks `contact` for the elastic energy, which is doubled there.
     """
-    assert call(copy) == [-0.1, 0, 1]
+    assert call(copy) == [0.4, 0, 1]
     files = kept(copy)
 
-    assert call(copy) == [-0.1, 1, 0]
+    assert call(copy) == [0.4, 1, 0]
     assert kept(copy) == files
 
     source = (copy / "kernels" / "contact.py").read_text()
-    edited = source.replace("term(spring.root, sqrt", "term(spring.root, 2 * sqrt")
+    edited = source.replace("return 0.4 * normal", "return 0.8 * normal")
     assert edited != source
     (copy / "kernels" / "contact.py").write_text(edited)
-    assert call(copy) == [-0.2, 0, 1]
+    assert call(copy) == [0.8, 0, 1]
     assert kept(copy).items() > files.items()  # the old ones are left, in a folder of their own
 
 

@@ -14,9 +14,8 @@ from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 
 import md
-from md.kernels import single
-from md.kernels.codes import FREE
-from md.kernels.contact import Friction
+from md.kernels import FREE
+from md.kernels.contact import Friction, Instant, friction_of_mode
 
 from .track import REVERSAL, SLIDE, SLIP_STICK
 
@@ -165,7 +164,7 @@ def test_every_contact_ends():
 
 
 def test_there_is_no_friction_before_the_first_mode():
-    """As `codes` says of FREE; a rod without slip is followed so for its first moment."""
-    slip = single.Slip(now=0.1, drive=0.0, mass=1.0)
-    friction = single.friction_of_mode(Friction(0.4, None), FREE, 1e-3, 1.0, 0.0, slip)
+    """As `kernels` says of FREE; a rod without slip is followed so for its first moment."""
+    slip = Instant(now=0.1, drive=0.0, mass=1.0)
+    friction = friction_of_mode(Friction(0.4, None), FREE, 1e-3, 1.0, 0.0, slip)
     assert friction == (0.0, 0.0, 1.0)

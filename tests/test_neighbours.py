@@ -8,12 +8,12 @@ import pytest
 from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal
 
-from md.host import prepare
-from md.kernels import neighbours
-from md.kernels.codes import (
+from md.host import at_start, prepare
+from md.kernels import (
     PAIR_FRICTION,
     SKIN,
     X,
+    neighbours,
 )
 from md.kernels.neighbours import PAIR
 from md.kernels.vectors import IN_PLANE, IN_SPACE
@@ -224,13 +224,10 @@ def test_what_sleeps_wakes_in_time(name):
 def test_a_list_that_is_full_grows():
     """It grows from one entry on, and again while contacts are open, to the same bits."""
     usual, small = lively(), lively()
-    small.state = small.state._replace(
-        listed=neighbours.nothing_listed(len(small.rods), 1, True, False),
-        scratch=small.state.scratch._replace(found=np.zeros((1, 3), np.int64)),
-    )
+    small.state = at_start(small.effects, small.rods, pairs=1)
     go(small, 200)
     assert np.any(small.state.listed.springs)
-    small._grow()
+    small.restore(small.arrays(), small.step, room=2)
     go(small, 200), go(usual, 400)
     assert small.state.listed.index.shape[1] > 4
     same(small, usual)

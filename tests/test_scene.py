@@ -4,8 +4,9 @@ from math import cos, pi
 
 import pytest
 
+from md.domains import as_dict
 from md.host import step_of
-from md.scene import GAP, SCENES, as_dict, load
+from md.scene import GAP, SCENES, load
 
 from .rows import seeded
 

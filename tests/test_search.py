@@ -70,7 +70,7 @@ def test_parameters_are_recovered_and_carried_to_what_is_predicted(found):
     """And the second round looks closer."""
     first, second = np.split(found.parts, 2)
     assert (np.ptp(second, axis=0) < np.ptp(first, axis=0)).all()
-    assert found.best >= len(first)
+    assert found.misfits.argmin() >= len(first)
     parameters, correlation, results, misfit = found.estimates
     assert misfit < len(BOXES)
     for name, true in TRUE.items():

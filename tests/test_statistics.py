@@ -89,7 +89,8 @@ def test_stationary_series_have_no_trend(memory, alarms, n):
     """Of 400 series as many alarm as `trend` says, to two standard deviations of so many."""
     series = autoregressive(default_rng(n), (400, n), memory)
     assert np.mean([trend(one) > TREND for one in series]) <= alarms + 2 * np.sqrt(alarms / 400)
-    assert np.mean([settled(n // 5, one) is None for one in series]) <= 0.3 * alarms + 0.005
+    found = [settled(n // 5, one, np.zeros(n)) for one in series]
+    assert np.mean([cut is None for cut in found]) <= 0.3 * alarms + 0.005
 
 
 @pytest.mark.parametrize("n", [104, 130, 160, 199])
@@ -111,7 +112,7 @@ def test_a_transient_is_left_out(memory):
     error = exact_error(n // 2, memory)
     transients = 60 * error * np.exp(-np.arange(n) / (n / 10))
     for noise in autoregressive(default_rng(7), (100, n), memory):
-        cut = settled(n // 10, noise + transients)
+        cut = settled(n // 10, noise + transients, np.zeros(n))
         left.append(np.nan if cut is None else transients[cut:].mean() / error)
     assert np.isnan(left).mean() < 0.05
     assert np.nanmax(left) < 3
@@ -124,7 +125,7 @@ def test_a_slow_trend_never_settles(memory):
     n = 2000
     line = 60 * exact_error(n, memory) * np.linspace(0, 1, n)
     series = autoregressive(default_rng(8), (100, n), memory) + line
-    assert np.mean([settled(n // 5, one) is None for one in series]) > 0.95
+    assert np.mean([settled(n // 5, one, np.zeros(n)) is None for one in series]) > 0.95
 
 
 def test_too_few_values_have_no_trend():

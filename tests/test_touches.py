@@ -7,11 +7,23 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import md
 from md.host import plate_motion, prepare
+from md.kernels import C_X, C_Z, COSINE, OMEGA, SINE, WATCH_TOUCHED, Z
 from md.kernels import touches as columns
-from md.kernels.codes import C_X, C_Z, COSINE, OMEGA, ROW_VELOCITY, SINE, WATCH_TOUCHED, Z
 from md.measures import HOP, Tables, merged
 
-from .rows import DRIVEN, HALF, HELD, PLANE, go, in_plane, recorded, ring, row, started
+from .rows import (
+    DRIVEN,
+    HALF,
+    HELD,
+    PLANE,
+    ROW_VELOCITY,
+    go,
+    in_plane,
+    recorded,
+    ring,
+    row,
+    started,
+)
 
 # Single touches
 
@@ -166,7 +178,7 @@ def test_how_the_touches_come_in_does_not_matter(cuts):
 def test_touches_of_one_phase_are_counted_whatever_their_number():
     tables, many = Tables(prepare(row()), 1), 2**16 + 1
     tables.add(touches(0, np.full(many, 1), 5)[:, :-1])
-    assert max(tables.cycle(0, 1)) == many
+    assert max(tables.results(0, 1)["phases"]) == many
 
 
 # Means of a run

@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
 import md
-from md import simulation, trajectory
+from md import records, simulation
 from md.host import prepare
 
 from .rows import ROLLING, ring, row, vectors
@@ -67,7 +67,7 @@ def test_columns_say_where_each_rod_is_and_what_it_looks_like(written):
 
 
 def test_small_tilts_in_space_keep_their_digits():
-    [(*_, tilt)] = trajectory._in_space(np.array([[2, 0, 1, 1e-9, 0, 1, *[0] * 6]]))
+    [(*_, tilt)] = records._in_space(np.array([[2, 0, 1, 1e-9, 0, 1, *[0] * 6]]))
     assert tilt == pytest.approx(np.degrees(1e-9), rel=1e-15)
 
 

@@ -10,7 +10,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 import md
-from md.scene import as_dict, flat, from_tables, keys, put
+from md.domains import as_dict, flat
+from md.scene import from_tables, keys, put
 from md.store import table
 from md.sweep import execute, expand
 from md.units import TWINS, error_of, in_cm, labelled

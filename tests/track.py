@@ -1,16 +1,15 @@
-"""One rod over the plate: laws, effects, and long runs by the kernel behind `md.impact`."""
+"""One rod over the plate: laws, effects, and long runs."""
 
 from math import pi, radians
 
 import numpy as np
-import pytest
 
 import md
-from md.kernels import single
-from md.kernels.codes import WATCHED
-from md.kernels.state import Motion
+from md.host import at_start
+from md.kernels import DONE
+from md.kernels.march import Watchers, march
+from md.kernels.state import Clock, Motion
 from md.laws import contact_time, effects_of
-from md.soft_impact import stopped_run
 
 ROD = md.Rod()
 LAWS = {
@@ -23,7 +22,6 @@ SLIDE = radians(30), (-0.5, -1.0, 0.1)  # tilt, velocities before
 SLIP_STICK = radians(20), (0.5, -1.0, 0.0)
 REVERSAL = radians(40), (0.5, -1.0, 0.0)
 CONTACT = contact_time(md.coulomb(), 1.0)
-each_integrator = pytest.mark.parametrize("integrator", single.METHODS)
 
 
 def damped(normal):
@@ -42,20 +40,33 @@ def swinging(amplitude, steps):
     return Motion(amplitude * np.sin(angle), 2 * pi * amplitude * np.cos(angle))
 
 
-def track(acting, start, dt, steps, *, every=1, method="leapfrog", watched=False):
+def alone(acting, start):
+    """State of one rod at (x, z, tilt, c_x, c_z, omega), its velocities of half a step before."""
+    x, z, tilt, *velocity = start
+    return at_start(acting, np.array([[x, z, np.sin(tilt), np.cos(tilt), *velocity]], float))
+
+
+def stepped(acting, state, dt, steps, first=0):
+    """Make steps of `alone` rods that nobody watches: how many were made, and why they ended."""
+    return march(acting, state, Watchers(None, None, None), Clock(first, dt), steps)[:2]
+
+
+def seen(state):
+    """The rod as (x, z, tilt, c_x, c_z, omega)."""
+    x, z, sine, cosine, *velocity = state.rods[0]
+    return np.array([x, z, np.arctan2(sine, cosine), *velocity])
+
+
+def track(acting, start, dt, steps, *, every=1):
     """Every so many steps, where the rod is and how fast it was half a step before.
 
-    Under Gear's method both are of the step before. `acting`: effects; `start`: x, z, tilt, c_x,
-    c_z, omega, off the plate or just touching it. `watched`: by the kernel of `md.impact`, step by
-    step, so that a contact that is over ends nothing.
+    `acting`: effects; `start`: as of `alone` but for velocities at the start itself, off the plate
+    or just touching it.
     """
-    fall = (*(acting.gravity or (0.0, 0.0)), 0.0)
-    state = single.started(method, start[:3], start[3:], dt, fall)
-    samples = [(*state.position, *state.velocity)]
+    fall = acting.gravity or (0.0, 0.0)
+    state = alone(acting, start - dt / 2 * np.array([0, 0, 0, *fall, 0]))
+    samples = [seen(state)]
     for first in range(0, steps, every):
-        watch = np.zeros(WATCHED) if watched else None
-        now, made, why = single.run(acting, state, first, every, dt, watch)
-        state = single.State(*now)
-        stopped_run(why, state, first + made, dt)
-        samples.append((*state.position, *state.velocity))
+        assert stepped(acting, state, dt, every, first) == (every, DONE)
+        samples.append(seen(state))
     return np.array(samples)

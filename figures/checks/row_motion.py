@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from md.host import Engine, prepare
-from md.kernels.codes import C_Z, COSINE, SINE, X, Z
+from md.kernels import C_Z, COSINE, SINE, X, Z
 from md.measures import standard_error, transient
 from md.scene import Scene
 

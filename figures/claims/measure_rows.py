@@ -13,12 +13,11 @@ import md
 from impact import drift, flat_ended_rod, spherocylinder
 
 from ..checks import appendix_a, closure
-from ..cost.accuracy_cost_impact import gear_from_leapfrog
 from ..lib import runs as rows
 from ..lib import soft_impacts as soft
 from ..lib.style import Data
 from ..paper import fig02, fig12, fig13
-from . import over_tilt
+from . import gear, over_tilt
 from .evidence import Evidence, Whole
 from .measure_annulus import begins, reverse_drift
 from .over_tilt import CLEAR
@@ -154,9 +153,9 @@ def over_length(d):
 
 
 @measures("S19")
-def gear(_):
-    coulomb, printed = gear_from_leapfrog()
-    return {"coulomb": Number(coulomb), "printed": Number(printed)}
+def integrators(_):
+    laws = {"coulomb": md.coulomb(), "printed": md.appendix_a()}
+    return {name: Number(gear.difference(law)) for name, law in laws.items()}
 
 
 @measures("S21")

@@ -23,9 +23,9 @@ from md.scene import from_tables
 from md.sweep import Point, Sweep
 
 from ..lib.runs import ROW, Sweeps, computed, gathered, measured_by, nearest
+from ..lib.soft_impacts import PAPER_STEP
 from ..lib.style import BLACK, BLUE, GREEN, RED, Data, Look, log_log, note, painted, shades, style
 from ..lib.timing import measured_here, seconds_per_period
-from .accuracy_cost_impact import PAPER_STEP
 
 PER_CONTACT = (16, 20, 26, 40, 80)  # and the paper's
 FINE = 30  # steps a contact from which on runs are taken as the truth

@@ -22,7 +22,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from md.host import Engine
-from md.kernels.codes import C_Z, Z
+from md.kernels import C_Z, Z
 from md.kernels.march import Series
 from md.scene import put
 from md.sweep import Sweep

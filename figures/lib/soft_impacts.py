@@ -16,6 +16,7 @@ from .style import ANOTHER, PRINTED_LAW, SIMULATED
 
 ROD = md.Rod(9.5, "thin")
 IMPACT_FRICTION, APPROACH_RATIO = 0.4, 2.0
+PAPER_STEP = 2e-5  # sqrt(d/g)
 TABLE_TILTS = np.radians(np.arange(5, 86, 5))  # of the tables
 LAW_WORDS = {
     "coulomb": "friction as a constraint",

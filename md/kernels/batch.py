@@ -163,7 +163,7 @@ def act_on(alike, ledger, numbers, c, dt):
     half, gain = get_vector(numbers, HALF, c, up), get_vector(numbers, GAIN, c, up)
     out, overlap = times(1.0 / distance, gap), max(1.0 - distance, 0.0)
     kept = get_kept(numbers, c, up)
-    meeting = Meeting(bodies, out, overlap, half, gain, kept, nothing(half), None, half)
+    meeting = Meeting(bodies, out, overlap, half, gain, kept, nothing(half))
     found = contact(law.normal, law.friction, inertia, meeting, dt)
     note_losses(ledger, numbers, c, found.lost)
     fill_kept(numbers, c, found.kept)

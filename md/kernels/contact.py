@@ -21,6 +21,7 @@ from math import copysign, sqrt
 from typing import NamedTuple
 
 from ..cache import kernel
+from . import FREE, STICK
 from .vectors import across, along, dot, nothing, spread, swing, times, torque
 
 HALVED = 0.5, 0.5**0.5, 0.5**0.25  # what is left of `powers_of` half the overlap
@@ -112,8 +113,6 @@ class Meeting(NamedTuple):
     gain: tuple  # g; acceleration of that velocity as far as known, by `kept` too
     kept: Kept  # of the step before, or as far as known
     swept: tuple  # g; acceleration of the slip by the motion of the arm; zero: neglected
-    explicit: bool | None  # True: normal dashpots see `now`; None: the velocity of their step
-    now: tuple  # sqrt(g d); velocity for explicit normal dashpots
 
 
 class Before(NamedTuple):
@@ -131,6 +130,14 @@ class Slip(NamedTuple):
     gain: tuple  # g; a step before, as far as known
     drive: tuple  # g; at the step, without the friction of this contact
     alike: tuple  # g; at the step, without the friction of all contacts that count as alike
+
+
+class Instant(NamedTuple):
+    """Slip of a contact at an instant, and what friction has to act on."""
+
+    now: float  # sqrt(g d)
+    drive: float  # g; its acceleration without friction
+    mass: float  # m; the contact's tangential mass
 
 
 class Element(NamedTuple):
@@ -477,9 +484,8 @@ def moved_by(friction, inertia, bodies, out, rub):
 def contact(normal, friction, inertia, meeting, dt):
     """Compute the `Force` of a `Meeting`: first F_n, with the last F_t, then F_t under this F_n."""
     n, overlap, bodies, last = meeting.out, meeting.overlap, meeting.bodies, meeting.kept
-    velocity, implicit = meeting.now, 0.0  # what dashpots see; how long a force acts on it
-    if meeting.explicit is None:
-        velocity, implicit = along(meeting.half, dt / 2, meeting.gain), dt / 2
+    implicit = dt / 2  # how long a force acts on the velocity that dashpots see
+    velocity = along(meeting.half, implicit, meeting.gain)
     push = moved(inertia, bodies, n)  # acceleration of the contact by a unit normal force
     light, closing = dot(push, n), dot(meeting.half, n)
     free = dot(velocity, n) - implicit * light * last.force
@@ -495,3 +501,33 @@ def contact(normal, friction, inertia, meeting, dt):
     rate = dot(now, n)
     lost = dt * rate * (elastic(normal, there) - force), -dt * dot(rub, across(now, n))
     return Force(Kept(force, rub, spring), rate, lost)
+
+
+# Friction between two of its switches
+
+
+@kernel
+def in_mode(spring, mode, overlap, limit, length, slip):
+    """F_t, the rate of the spring's length, and a signal that falls to zero as the mode changes.
+
+    The signal is the friction or the slip that is left. `mode`: `STICK` or its neighbours in
+    `md.kernels`; `limit`: mu F_n; `length`: of the spring.
+    """
+    if spring is None:
+        stick = -slip.drive * slip.mass
+        if mode == STICK:
+            return stick, 0.0, limit - abs(stick)
+        return -mode * limit, 0.0, mode * slip.now
+    k, g = tangential_constants(spring, overlap, slip.mass)
+    free = -(k * length + g * slip.now)
+    if mode == STICK:
+        return free, slip.now, limit - abs(free)
+    return -mode * limit, (mode * limit - k * length) / g, -mode * free - limit
+
+
+@kernel
+def friction_of_mode(friction, mode, overlap, force, length, slip):
+    """F_t, rate of the spring's length and signal as of `in_mode`; without friction 0, 0, 1."""
+    if friction is None or mode == FREE:
+        return 0.0, 0.0, 1.0
+    return in_mode(friction.spring, mode, overlap, friction.coefficient * force, length, slip)

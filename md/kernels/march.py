@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..cache import kernel
-from .codes import (
+from . import (
     ADVANCE,
     DEEP,
     DONE,
@@ -36,7 +36,7 @@ from .codes import (
     TOO_FAST,
     WALL_TOO_DEEP,
 )
-from .contact import elastic_energy, free_turn, size, turn_by
+from .contact import elastic_energy, free_turn, size, turn_by, turning
 from .neighbours import Axes, between_ends, near_at, near_end, too_fast
 from .pairs import ends_of, nearer, pair_forces, seen_through
 from .state import (
@@ -66,7 +66,7 @@ from .vectors import IN_PLANE, IN_SPACE, along, dot, height, nothing, put, rotat
 class Series(NamedTuple):
     """Samples of a run, one row per period."""
 
-    rows: np.ndarray  # (periods + 1, ROW_SERIES or ANNULUS_SERIES): columns of `codes`
+    rows: np.ndarray  # (periods + 1, ROW_SERIES or ANNULUS_SERIES): columns of `md.kernels`
     last: np.ndarray  # (rods,): at the last sample, cos of the tilt; of an annulus azimuth, rad
     per: int  # steps of a period
     every: int  # steps from one sample to the next
@@ -75,7 +75,7 @@ class Series(NamedTuple):
 class Watchers(NamedTuple):
     """Diagnostics of a run, which act on nothing; `None`: absent."""
 
-    ledger: np.ndarray | None  # (5,), in space 7, m g d: sums so far, columns of `codes`
+    ledger: np.ndarray | None  # (5,), in space 7, m g d: sums so far, columns of `md.kernels`
     record: Record | None
     series: Series | None
 
@@ -334,14 +334,6 @@ def earlier(up, rods, i, dt):
     return along(rod.place, back, rod.velocity), rotated(rod.director, rod.turn, back)
 
 
-@kernel
-def spinning(rolling, w, director):
-    """Twice the rotational energy over I: w . w + rolling (w . director)^2."""
-    if rolling is None:
-        return dot(w, w)
-    return dot(w, w) + rolling * dot(w, director) ** 2
-
-
 @kernel(entry=True)
 def energy(effects, rods, listed, plate, dt):
     """Kinetic, potential and elastic energy half a step ago, m g d; `plate`: its height then, d."""
@@ -351,7 +343,8 @@ def energy(effects, rods, listed, plate, dt):
         place, director = earlier(up, rods, i, dt)
         rod = rod_of(up, rods, i)
         c, w = rod.velocity, rod.turn
-        total += 0.5 * (dot(c, c) + spinning(effects.rolling, w, director) / effects.lightness)
+        spin = turning(effects.rolling, w, director)
+        total += 0.5 * (dot(c, c) + dot(spin, w) / effects.lightness)
         total -= dot(gravity_force(effects.gravity, place), place)
         total += of_plate(effects.normal, upper, half, place, director, plate)
         total += of_walls(effects.walls, upper, half, place, director)

@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..cache import kernel
-from .codes import DEEP, SKIN
+from . import DEEP, SKIN
 from .vectors import along, dot, put, vector
 
 CHORD = 0.4142  # < sqrt(2) - 1: of the square root between 1 and 2, so a bound from below

@@ -32,8 +32,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..cache import kernel
+from . import CROSSING, DEEP, DONE, FULL_LIST, PAIR_NORMAL, PAIR_TOO_DEEP
 from .batch import MOST, TWO, Alike, Given, acted, enter
-from .codes import CROSSING, DEEP, DONE, FULL_LIST, PAIR_NORMAL, PAIR_TOO_DEEP
 from .contact import elastic_energy
 from .neighbours import (
     CHORD,

@@ -96,8 +96,6 @@ class Moving(NamedTuple):
     director: tuple  # unit vector along the axis
     velocity: tuple  # sqrt(g d); half a step before
     turn: tuple  # sqrt(g/d); w, half a step before
-    explicit: bool | None  # True: the dashpots see `now`; None: the velocities of the step
-    now: tuple  # velocity and turn for explicit dashpots
 
 
 class Clock(NamedTuple):
@@ -111,9 +109,8 @@ class Clock(NamedTuple):
 def rod_of(up, rods, i):
     """`Moving` of rod i."""
     dims = len(up)
-    velocity, turn = vector(rods, i, 2 * dims, up), axial(rods, i, 3 * dims, up)
     place, director = vector(rods, i, 0, up), vector(rods, i, dims, up)
-    return Moving(place, director, velocity, turn, None, (velocity, turn))
+    return Moving(place, director, vector(rods, i, 2 * dims, up), axial(rods, i, 3 * dims, up))
 
 
 @kernel

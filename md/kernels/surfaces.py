@@ -1,19 +1,31 @@
 """Forces of surfaces on a rod, compiled: of the plate, and of the cylindrical walls of an annulus.
 
-The plate touches a rod at both of its caps or corners. A wall touches a rod with its ends; a rod
+The plate touches a rod at both of its caps or corners; `rates` are the equations of one contact
+between switches, of a rod alone on a plate at rest. A wall touches a rod with its ends; a rod
 that lies along the convex inner wall touches it between them as well, with a weight as of rods that
 cross (`pairs`). `side` is 1 of the inner wall, -1 of the outer one.
 """
 
-from math import sqrt
+from math import cos, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
 
 from ..cache import kernel
+from . import DEEP, INNER, OUTER, PLATE_WORK, WALL_NORMAL
 from .batch import FORCE, MOST, ONE, Alike, Given, acted, enter, get
-from .codes import DEEP, INNER, OUTER, PLATE_WORK, WALL_NORMAL
-from .contact import Kept, Meeting, contact, elastic_energy, turn_by, turning
+from .contact import (
+    Instant,
+    Kept,
+    Meeting,
+    contact,
+    dashpot,
+    elastic_energy,
+    friction_of_mode,
+    powers_of,
+    turn_by,
+    turning,
+)
 from .pairs import NEARER, moving, rise
 from .state import forget, inertia_of, nothing_kept, point, pull, rod_of
 from .vectors import (
@@ -111,10 +123,8 @@ def pressed(effects, rod, touch, plate, forces, dt):
         return touch
     director, normal, inertia = rod.director, upward(arm), inertia_of(effects)
     gain = point(effects, forces[0], turn_by(inertia, forces[1], director), director, arm)
-    now = raised(point(effects, rod.now[0], rod.now[1], director, arm), -plate[1])
     sweep = swept(effects.rolling, rod, arm, end, plate)
-    bodies = ((arm, director),)
-    meeting = Meeting(bodies, normal, overlap, half, gain, kept, sweep, rod.explicit, now)
+    meeting = Meeting(((arm, director),), normal, overlap, half, gain, kept, sweep)
     found = contact(effects.normal, effects.friction, inertia, meeting, dt)
     return Touch(overlap, end, arm, half, found.kept, found.rate, found.lost)
 
@@ -142,6 +152,37 @@ def plate_at(plate, step):
         return 0.0, 0.0
     i = step % plate.height.size
     return plate.height[i], plate.velocity[i]
+
+
+@kernel(entry=True)
+def rates(effects, start, mode, y):
+    """Derivatives of y = (x, z and tilt since the touch, c_x, c_z, omega, spring, P_z); signals.
+
+    The signals: of the end of the force, and what is left before the mode changes; the overlap and
+    the slip. `start`: sin and cos of the tilt and height over the contact point at the touch.
+    """
+    sine, cosine, height = start
+    bend, lag = sin(y[2] / 2), cos(y[2] / 2)
+    lean = sine * lag + cosine * bend  # sin(tilt_0 + turn/2)
+    overlap = -y[1] - 2 * effects.half_length * lean * bend
+    a_x = -effects.half_length * (sine * cos(y[2]) + cosine * sin(y[2]))
+    a_z = -y[1] - height
+    rate = y[4] - y[5] * a_x
+    slip = y[3] + y[5] * a_z
+    force, left, rub, stretch, spare = 0.0, overlap, 0.0, 0.0, 1.0
+    if overlap > 0:
+        powers = powers_of(overlap, 1 / (1 + a_x * a_x * effects.lightness))
+        (_, root, _), normal = powers, effects.normal
+        c = dashpot(normal, powers)
+        left = overlap - c * rate / (normal.stiffness * root)
+        force = max(normal.stiffness * root * left, 0.0)
+        left = left if normal.plastic is None else -rate  # a plastic contact ends as it rests
+        drive = -a_x * force * effects.lightness * a_z - y[5] * y[4]
+        seen = Instant(slip, drive, 1 / (1 + a_z * a_z * effects.lightness))
+        rub, stretch, spare = friction_of_mode(effects.friction, mode, overlap, force, y[6], seen)
+    turning = (a_z * rub - a_x * force) * effects.lightness
+    change = (y[3], y[4], y[5], rub, force, turning, stretch, force)
+    return change, (left, spare, overlap, slip)
 
 
 # Walls of an annulus

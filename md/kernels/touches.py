@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..cache import kernel
-from .codes import (
+from . import (
     IMPULSE,
     SLIDE,
     SLIDING,
@@ -49,7 +49,7 @@ AFTER = 10  # c_x, c_z, omega, as the force ends
 PLATE = 13  # velocity of the plate at the touch
 APPROACH = 14  # normal velocity v_0 of the contact point relative to the plate, at the touch
 LEAVING = 15  # normal velocity of that point relative to the plate, as the force ends
-REGIME = 16  # SLIDING, SLIP_STICK or SLIP_REVERSAL of `codes`
+REGIME = 16  # SLIDING, SLIP_STICK or SLIP_REVERSAL of `md.kernels`
 PUSHED = 17  # part of the steps in which another rod or a wall pushed as well
 DEEPEST = 18  # overlap, d
 WIDTH = 19
@@ -64,14 +64,14 @@ class Record(NamedTuple):
     rows: np.ndarray  # (capacity, WIDTH)
     count: np.ndarray  # type: ignore[assignment]  # (1,); a tuple has a method of this name
     open: np.ndarray  # (rods, _OPEN): rows in the making
-    watch: np.ndarray  # (rods, codes.WATCHED)
+    watch: np.ndarray  # (rods, WATCHED)
 
 
 def new_record(rods: int, capacity: int) -> Record:
-    """Create an empty record, with room for at least two rows for each rod."""
+    """Create an empty record, with room for so many rows, one for each rod at least."""
     under_way = np.zeros((rods, _OPEN))
     under_way[:, _LEFT] = np.nan
-    rows = np.zeros((max(capacity, 2 * rods), WIDTH))
+    rows = np.zeros((capacity, WIDTH))
     return Record(rows, np.zeros(1, np.int64), under_way, np.zeros((rods, WATCHED)))
 
 
@@ -132,6 +132,7 @@ def watched(watch, effects, caps, plane, dt):
     if kept.force <= 0:
         return False
     if watch[WATCH_TOUCHED] == 0:
+        watch[:] = 0.0
         watch[WATCH_TOUCHED], watch[WATCH_SIDE] = 1, np.sign(slip)
     watch[WATCH_DEEPEST] = max(watch[WATCH_DEEPEST], touch.overlap)
     if slip * watch[WATCH_SIDE] <= 0:
@@ -202,7 +203,7 @@ def motion_of(effects, rods, i, plane, cap, plate):
 
 @kernel(inline=False)
 def ended(record, effects, rods, i, plate, step):
-    """Finish the touch of rod i: complete its row, store it, and clear what was watched."""
+    """Finish the touch of rod i: complete its row and store it."""
     row, watch, n = record.open[i], record.watch[i], record.count[0]
     plane = row[_PLANE], row[_PLANE + 1]
     motion, row[LEAVING] = motion_of(effects, rods, i, plane, row[CAP], plate)
@@ -214,7 +215,7 @@ def ended(record, effects, rods, i, plate, step):
     put(record.rows, n, 0, row[:WIDTH])
     record.count[0] = n + 1
     row[_LEFT] = step
-    watch[:] = 0.0
+    watch[WATCH_TOUCHED] = 0.0
 
 
 @kernel
