@@ -119,7 +119,7 @@ def draw(d: Data) -> plt.Figure:
     label, microseconds = "DOP853, switches located", 1e6 * d["adaptive_seconds"]
     _errors(time, microseconds, d["adaptive_error"], GREEN, "D", label)
     time.legend(loc="lower left", bbox_to_anchor=(0, 0.28))
-    time.set(xlabel="time per impact (µs)", xlim=(0.1, 1e5))
+    time.set(xlabel="time per impact (µs)", xlim=(3, 1e5))
     name_panels(axes, ("over the step", "over the time"))
     note(figure, machine_line(d))
     return figure
