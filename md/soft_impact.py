@@ -43,7 +43,7 @@ from .kernels import (
 from .kernels.march import Watchers, march
 from .kernels.state import Clock, Effects
 from .kernels.surfaces import rates
-from .kernels.touches import AFTER, new_record, regime_of
+from .kernels.touches import AFTER, LAST, new_record, regime_of
 from .laws import (
     Law,
     Rod,
@@ -155,7 +155,8 @@ def _by_steps(
         raise RunError(f"rod 0: {DEEP} d deep in the plate, or not finite, {at}", state.rods[0])
     _, _, sine, cosine, *_, omega = state.rods[0]
     tilt = atan2(sine, cosine) - omega * dt  # the last step was free, and does not count
-    return Outcome(tilt, record.rows[0, AFTER : AFTER + 3], record.watch[0], steps - 1, seconds)
+    after = record.rows[0, AFTER : AFTER + 3]
+    return Outcome(tilt, after, record.open[0, LAST:], steps - 1, seconds)
 
 
 # Every switch located

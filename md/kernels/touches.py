@@ -55,7 +55,8 @@ DEEPEST = 18  # overlap, d
 WIDTH = 19
 _LEFT = 19  # step at which the last touch ended, beyond the columns of a row
 _PLANE = 20  # x and y of the plane's direction
-_OPEN = 22
+LAST = 22  # what was watched of the last touch
+_OPEN = LAST + WATCHED
 
 
 class Record(NamedTuple):
@@ -132,7 +133,6 @@ def watched(watch, effects, caps, plane, dt):
     if kept.force <= 0:
         return False
     if watch[WATCH_TOUCHED] == 0:
-        watch[:] = 0.0
         watch[WATCH_TOUCHED], watch[WATCH_SIDE] = 1, np.sign(slip)
     watch[WATCH_DEEPEST] = max(watch[WATCH_DEEPEST], touch.overlap)
     if slip * watch[WATCH_SIDE] <= 0:
@@ -203,7 +203,7 @@ def motion_of(effects, rods, i, plane, cap, plate):
 
 @kernel(inline=False)
 def ended(record, effects, rods, i, plate, step):
-    """Finish the touch of rod i: complete its row and store it."""
+    """Finish the touch of rod i: complete its row, store it, and clear what was watched."""
     row, watch, n = record.open[i], record.watch[i], record.count[0]
     plane = row[_PLANE], row[_PLANE + 1]
     motion, row[LEAVING] = motion_of(effects, rods, i, plane, row[CAP], plate)
@@ -215,7 +215,8 @@ def ended(record, effects, rods, i, plate, step):
     put(record.rows, n, 0, row[:WIDTH])
     record.count[0] = n + 1
     row[_LEFT] = step
-    watch[WATCH_TOUCHED] = 0.0
+    put(record.open, i, LAST, watch)
+    watch[:] = 0.0
 
 
 @kernel
