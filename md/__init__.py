@@ -72,6 +72,7 @@ from importlib import import_module
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
+from . import records as records
 from .accuracy import run
 from .domains import InputError, RunError
 from .kernels.contact import Normal, Spring
@@ -81,7 +82,6 @@ from .scene import Annulus, Box, Contact, Contacts, Gravity, Plate, Rods, Scene,
 from .soft_impact import INTEGRATORS, Impact, impact
 
 if TYPE_CHECKING:
-    from . import records as records
     from . import search as search
     from . import store as store
     from . import sweep as sweep
@@ -121,6 +121,6 @@ def __getattr__(name: str) -> Any:
     """Load the version, and modules that need joblib or SciPy's statistics, only when asked for."""
     if name == "__version__":
         return version("rod-impact")
-    if name in ("records", "search", "store", "sweep"):
+    if name in ("search", "store", "sweep"):
         return import_module(f".{name}", __name__)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -82,11 +82,14 @@ def search_text(found: Any) -> str:
     lines = [tally_text(found.tally), "", "best points", *_table(told["points"][:8])]
     if estimates := found.estimates.parameters:
         rows = []
-        for name, _, low, high, _ in found.search.parameters:
-            value, error = estimates[name]
-            within = low + 2 * error < value < high - 2 * error
-            note = "" if within else f"reaches an end of its range, {low:g} to {high:g}"
-            rows.append({"parameter": name, "value": value, "error": error, "note": note})
+        for parameter in found.search.parameters:
+            value, error = estimates[parameter.name]
+            row = {"parameter": parameter.name, "value": value, "error": error, "note": ""}
+            if not parameter.low + 2 * error < value < parameter.high - 2 * error:
+                row["note"] = (
+                    f"reaches an end of its range, {parameter.low:g} to {parameter.high:g}"
+                )
+            rows.append(row)
         lines += ["", "estimates, with standard errors", *_table(rows)]
         lines.append(f"least misfit  {told['least_misfit']:.3g}, of {data} data")
         if told["least_misfit"] > data + 4 * sqrt(2 * data):

@@ -1,4 +1,4 @@
-"""Values checked against their types and domains, and the errors of this package.
+"""Values checked against their types and domains, parts as tables, and the errors of this package.
 
 A message names key, value and what is allowed. A command foresees the two errors; any other is a
 mistake of this package.

@@ -155,8 +155,9 @@ def _by_steps(
         raise RunError(f"rod 0: {DEEP} d deep in the plate, or not finite, {at}", state.rods[0])
     _, _, sine, cosine, *_, omega = state.rods[0]
     tilt = atan2(sine, cosine) - omega * dt  # the last step was free, and does not count
-    after = record.rows[0, AFTER : AFTER + 3]
-    return Outcome(tilt, after, record.open[0, LAST:], steps - 1, seconds)
+    return Outcome(
+        tilt, record.rows[0, AFTER : AFTER + 3], record.open[0, LAST:], steps - 1, seconds
+    )
 
 
 # Every switch located

@@ -97,7 +97,7 @@ def reduced(tables: Mapping) -> tuple[dict[str, float], dict[str, str]]:
 
 
 def in_cm(tables: Mapping) -> dict[str, float]:
-    """Values of the keys in cm and cm/s, from tables in reduced units (`scene.as_dict`)."""
+    """Values of the keys in cm and cm/s, from tables in reduced units (`domains.as_dict`)."""
     given = flat(tables)
     return {
         name: given[key] * unit(given[scale])

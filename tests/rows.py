@@ -14,10 +14,12 @@ import md
 from md.host import Engine, at_start
 from md.kernels import (
     ANNULUS_LEDGER,
+    C_X,
     DIRECTOR,
     LEDGER_COLUMNS,
     PLACE,
     ROW_COLUMNS,
+    SINE,
     SPACE_COLUMNS,
     TURN,
     VELOCITY,
@@ -31,7 +33,7 @@ from md.kernels.touches import new_record
 from md.kernels.vectors import IN_SPACE
 from md.laws import Rod
 
-ROW_PLACE, ROW_DIRECTION, ROW_VELOCITY = slice(0, 2), slice(2, 4), slice(4, 7)  # of a row's rods
+ROW_PLACE, ROW_DIRECTION, ROW_VELOCITY = slice(X, SINE), slice(SINE, C_X), slice(C_X, ROW_COLUMNS)
 SOFT = 1e5  # k_n of most tests: contacts fifty times as long as the paper's allow long steps
 HALF = 4.25  # of the paper's rods
 EXPERIMENT = md.Annulus(7.28 / 2 / 0.635, 9.45 / 2 / 0.635)  # in rod diameters

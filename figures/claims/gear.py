@@ -1,8 +1,7 @@
 """Gear's fifth-order method beside leapfrog, on single soft impacts of one cap (S19).
 
-Both take forces of known velocities, as the paper's programs did; `md` solves for the velocities in
-its dashpots. The forces are written out here once more, for all tilts at once: of these two
-methods, and of no other part of `md`, they are the only use.
+Both take forces of known velocities; `md` solves for those that its dashpots see. The forces are
+written out once more, for all tilts at once, so that both also check `md.impact`.
 """
 
 import numpy as np

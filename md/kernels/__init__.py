@@ -17,8 +17,8 @@ one line where it is called:
    test of an argument;
 2. the key, in `md.scene`: a field of `Scene`, `None` by default, with its domain and unit;
    `Effects` in `state` has a field of that name, which `md.host.all_effects` fills;
-3. the line, in `state.field`, where the forces by all but contacts are added up, for one rod
-   (`single`), a row and an annulus (`march`). An effect that loses energy adds to the ledger as
+3. the line, in `state.field`, where the forces by all but contacts are added up for the rods of a
+   row, of an annulus, or one alone. An effect that loses energy adds to the ledger as
    `march.accounted` does.
 
 The effect gets its entry in `tests/test_effects.py`: the scene with it, the scene without it,
