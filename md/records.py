@@ -273,7 +273,9 @@ def _in_space(rods: np.ndarray, rolling: float = 0.0) -> Iterator[tuple]:
         a, b, c = director = row[DIRECTOR:VELOCITY]
         across = a if plane else hypot(a, b)  # in a row tilts have a sign
         phi = atan2(across, c)
-        part = sin(phi / 2) / (across or 1.0)
+        if across == 0.0:  # points straight up or down, and may turn about any level axis
+            a = across = 1.0
+        part = sin(phi / 2) / across
         turn = 0.0 - b * part, a * part, 0.0, cos(phi / 2)
         spin = row[TURN:] + rolling * np.dot(row[TURN:], director) * director
         yield row[PLACE:DIRECTOR], turn, row[VELOCITY:TURN], spin, degrees(phi)
