@@ -12,7 +12,7 @@ Files, as one reads them
 paper, theory, checks, cost         rooms: one module for each of `FIGURES`, and what they share
 lib                                 style, runs, bounces, soft and exact impacts, printing, files
 claims                              the paper's claims, the numbers behind them, the verdicts
-pages                               one page of everything, README, animation, window of sliders
+pages                               one page of everything, README, animation, page of sliders
 command_line, __main__              the commands
 
 A module of a figure has `data(quick)`, which computes arrays by name, and `draw(data)`; perhaps

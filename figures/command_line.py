@@ -13,8 +13,12 @@ from collections.abc import Callable, Sequence
 from types import FrameType
 from typing import Any, NoReturn
 
-# ["-m"]: Python imports the package of a command.
-if sys.argv[:1] == ["-m"] and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+# ["-m"]: Python imports the package of a command, this one or another that imports this one.
+if (
+    sys.argv[:1] == ["-m"]
+    and " ".join(sys.orig_argv).partition(" -m")[2].split()[:1] == [__package__]
+    and signal.getsignal(signal.SIGINT) is signal.default_int_handler
+):
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 import click

@@ -91,9 +91,18 @@ def search_text(found: Any) -> str:
                 )
             rows.append(row)
         lines += ["", "estimates, with standard errors", *_table(rows)]
-        lines.append(f"least misfit  {told['least_misfit']:.3g}, of {data} data")
-        if told["least_misfit"] > data + 4 * sqrt(2 * data):
+        fitted, drawn = told["least_misfit"], found.misfits.min()
+        lines.append(
+            f"least misfit  {fitted:.3g}, of {data} data; of a point that was run {drawn:.3g}"
+        )
+        most = data + 4 * sqrt(2 * data)
+        if fitted > most:
             lines.append("warning: the scene does not fit the data; the errors do not hold")
+        elif drawn > most:
+            lines.append(
+                "warning: no point fits the data, and runs scatter too much to tell whether one "
+                "would: longer runs, more starts or more points tell"
+            )
     else:
         lines += ["", "too few points near the best one for estimates: more points or rounds"]
     return "\n".join([*lines, "", "data", *_table(told["targets"])])
@@ -241,7 +250,7 @@ def _law(given: dict[str, Any]) -> Law:
     "changes",
     multiple=True,
     metavar="KEY=VALUE",
-    help="Change a key of the scene; VALUE none takes it out.",
+    help="Change a key of the scene; VALUE none takes it out, box=none a whole part.",
 )
 @click.option("--periods", type=int, help="Of the plate (default 200); not with --tolerance.")
 @_number(
@@ -250,7 +259,9 @@ def _law(given: dict[str, Any]) -> Law:
     help="Choose step and length so that the drift is within R of its value: 0.01 for 1 %.",
 )
 @_number("--confidence", help="Of the interval that --tolerance asks for (default 0.95).")
-@_number("--floor", help="Slower drifts count as this fast (default a twentieth of V_0).")
+@_number(
+    "--floor", help="Slower drifts count as this fast, in sqrt(g d) (default a twentieth of V_0)."
+)
 @_number(
     "--max-seconds",
     help="Longest time that --tolerance may take (default 600), but for the first 320 periods, in "
@@ -336,15 +347,17 @@ def search(search: str, store: str, as_json: bool, **how: Any) -> None:
 
 @main.command()
 @click.argument("store")
-@click.option("--csv", metavar="OUT", help="Write all columns to a file, in both units.")
+@click.option(
+    "--csv", metavar="OUT", help="Write all columns to a file, keys and drift in both units."
+)
 def results(store: str, csv: str | None) -> None:
-    """Table of a store: a line a run, with what differs.
+    """Table of a store: a line a run, with what differs, in units of d, g and m.
 
     STORE is the SQLite file of a sweep.
 
     \b
     python -m md results drift.db
-    python -m md results drift.db --csv drift.csv   # all columns, in both units
+    python -m md results drift.db --csv drift.csv   # all columns; keys also in cm and cm/s
     """
     columns, rows = table(store)
     if csv is None:

@@ -22,7 +22,7 @@ import numpy as np
 from scipy.special import chdtrc, ndtri, stdtrit
 
 from . import simulation
-from .domains import InputError, number, whole
+from .domains import InputError, held, number, whole
 from .host import STEPS_PER_CONTACT, stable_step
 from .laws import LAWS, contact_time
 from .measures import FEWEST, UNLIKELY, settled, standard_error, transient
@@ -338,6 +338,7 @@ def run(
                 raise InputError(f"{name} has no meaning without tolerance")
         return simulation.run(scene, **options)
     checked(tolerance=tolerance, periods=options.get("periods"), **own)
+    measure_bias = held("measure_bias", measure_bias, bool)
     starts = STARTS if workers is None else whole("workers", workers, STARTS, MOST_STARTS)
     if options.get("checkpoint") is not None:
         raise InputError("checkpoint has no meaning with tolerance: it holds one start alone")
@@ -375,7 +376,7 @@ def checked(*, periods: int | None = None, **options: float | None) -> None:
     if "tolerance" not in options:
         raise InputError(f"{next(iter(options))} has no meaning without tolerance")
     for name, value in options.items():
-        if value is not None:
+        if value is not None or name != "floor":
             number(name, value, *DOMAINS[name])
 
 

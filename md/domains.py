@@ -29,7 +29,7 @@ class InputError(ValueError, TypeError):
 class RunError(RuntimeError):
     """Error for a run that cannot go on; `state` is the last good one.
 
-    For one impact it is (x, z, tilt, c_x, c_z, omega), for many rods the array of `Result.rods`.
+    For one impact it is the rod's row of the array that it is for many rods, `Result.rods`.
     """
 
     exit_code = 1  # of the command that it ends

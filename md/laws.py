@@ -220,7 +220,8 @@ def largest_step(
 
     K_n and C_n are stiffness and dashpot of the normal force per mass, at the deepest overlap. The
     dashpot of a contact is solved for. Of n contacts that see each other a step late, those of the
-    others are extrapolated: K_n dt^2 + 4 (1 - 1/n) C_n dt = 4 is the limit. Friction adds
+    others are extrapolated: K_n dt^2 + 4 (1 - 1/n) C_n dt = 4 is the limit. A step of C_n dt > 2 n
+    would turn a velocity round that the dashpot should stop. Friction adds
 
     - 1.1 K_t dt^2 over a plate, whose dashpots are solved for,
     - (19/16 - 11/(32 n)) K_t dt^2 + 4 (1 - 1/n) C_t dt of n contacts with a wall,
@@ -258,7 +259,7 @@ def largest_step(
     stiff = 1.5 * normal.stiffness * sqrt(d) * light
     dash = (normal.quarter or 0.0) * sqrt(sqrt(d) / (1 + across)) * light
     dash += ((normal.proportional or 0.0) * d + (normal.constant or 0.0)) * light
-    dash *= 4 * others
+    turns, dash = dash, 4 * others * dash
     if friction and law.spring is not None:
         spring, light = law.spring, caps * (1 + along)
         k = (spring.proportional or 0.0) * d + (spring.root or 0.0) * sqrt(d)
@@ -266,7 +267,7 @@ def largest_step(
         rubbing = (spring.proportional_dashpot or 0.0) * d + (spring.constant_dashpot or 0.0)
         rubbing += 2 * (spring.damping_ratio or 0.0) * sqrt(k / (1 + along))
         dash += rubs * rubbing * light
-    return 8 / (dash + sqrt(dash * dash + 16 * stiff))
+    return 8 / max(dash + sqrt(dash * dash + 16 * stiff), 4 * turns / caps)
 
 
 Length = Annotated[float, 1.0, 1000.0]  # d

@@ -18,7 +18,7 @@ from operator import attrgetter
 from pathlib import Path
 from typing import Annotated, Any, get_args
 
-from .domains import InputError, Part, as_dict, hints, in_notebook
+from .domains import InputError, Part, as_dict, hints, in_notebook, listed
 from .files import text_of
 from .laws import LAWS, Inertia, Law, Length
 from .units import GRAVITY_CM, TWINS, Diameter, Frequency, cm_per_s, in_cm, reduced, rivals
@@ -497,6 +497,7 @@ def load(source: str | Path, assignments: Sequence[str] = ()) -> Scene:
     ValueError, TypeError
         If the file cannot be read or does not hold a scene.
     """
-    if isinstance(assignments, str):
-        assignments = [assignments]
-    return from_tables(put(read_tables(source), dict(map(_parsed, assignments))))
+    given = [assignments] if isinstance(assignments, str) else listed(assignments)
+    if given is None:
+        raise InputError(f"assignments must be texts KEY=VALUE, got {assignments!r}")
+    return from_tables(put(read_tables(source), dict(map(_parsed, given))))

@@ -32,8 +32,10 @@ longer runs make them smaller.
 
 They hold if the scene can fit the data, if the truth is within the ranges, and if results are as
 rough there as at the other points near the best one: beside a jump an estimate can be off by three
-errors. The least misfit is told, and should be no more than about the number of data. Runs that are
-much shorter than those of the data bring their transient in.
+errors. The least misfit of this fit is told, and should be no more than about the number of data.
+So should the least one of a point: where it is not, the polynomial may hide behind the scatter of
+the runs that the scene does not fit. Runs that are much shorter than those of the data bring their
+transient in.
 """
 
 import csv
@@ -193,7 +195,7 @@ class Estimates(NamedTuple):
     parameters : estimates by the names of the parameters
     correlation : matrix of the parameters' correlations
     results : predicted result of each target
-    misfit : least misfit; far beyond the number of data where the scene does not fit them
+    misfit : least misfit of the fit; far beyond the number of data where no scene fits them
     """
 
     parameters: dict[str, Estimate]
@@ -234,6 +236,7 @@ class Found:
     def box(self) -> np.ndarray:
         """Ends of a box around the best quarter of the points and some way beyond, (2, parameters).
 
+        Where no point lies beyond, the box ends with the range.
         Points that are as good as the best one belong to the best, however many they are.
         """
         parts, misfits = self.parts, self.misfits
@@ -242,7 +245,9 @@ class Found:
         near = parts[np.argsort(misfits)[:few]]
         low, high = near.min(axis=0), near.max(axis=0)
         margin = (high - low) / 4
-        return np.clip([low - margin, high + margin], 0, 1)
+        low = np.where(low > parts.min(axis=0), low - margin, 0)
+        high = np.where(high < parts.max(axis=0), high + margin, 1)
+        return np.clip([low, high], 0, 1)
 
     @cached_property
     def estimates(self) -> Estimates:
@@ -284,6 +289,7 @@ def search(given: Search, store: str | Path, **how: Any) -> Found:
     As `md.sweep.execute`, ValueError if a target is not a number in the results of a run, RunError
     if no point has results at all targets.
     """
+    held("given", given, Search)
     parts, runs, tallies, low, high = [], [], [], 0.0, 1.0
     for number in range(given.rounds):
         drawn = qmc.Sobol(len(given.parameters), seed=_SEED + number).random(given.points)

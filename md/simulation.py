@@ -107,6 +107,8 @@ class Run:
             raise InputError("frames has no meaning without trajectory")
         frames = whole("frames", 1 if frames is None else frames, 1, step_of(scene)[1])
         distinct(trajectory=trajectory, checkpoint=checkpoint)
+        if observe is not None and not callable(observe):
+            raise InputError(f"observe must be a function, got {observe!r}")
         saved, self.checkpoint = None, None
         if checkpoint is not None:
             writable("checkpoint", checkpoint)

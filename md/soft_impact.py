@@ -63,6 +63,7 @@ _SLOWEST = 1e-30  # speed of an impact below which numbers run out
 _LEAST_MOVE = 1e3  # of a rod in a step, in units in the last place of its height
 _STEPS_A_CALL = 500_000  # some 50 ms: signals are seen between calls
 _SWITCHES = 10_000  # of one contact at most; a soft spring that rattles at the end makes hundreds
+_MOST = 500_000  # evaluations of one contact: some 10 s
 _LARGE = 1e4  # friction beyond which the slip stops too soon after the touch to be followed
 
 
@@ -113,7 +114,8 @@ def _step(law: Law, effects: Effects, speed: float, tilt: float, dt: float | Non
     if speed < _SLOWEST:
         raise InputError(f"the impact must be at {_SLOWEST:g} sqrt(g d) or faster, got {speed:g}")
     across, along = np.square(lower_end(effects, tilt).arm(tilt)) * effects.lightness
-    caps = 2 if height_of_second(effects, tilt) < 2 * deepest_overlap(law, speed) else 1
+    second = effects.upper and height_of_second(effects, tilt) < 2 * deepest_overlap(law, speed)
+    caps = 2 if second else 1
     largest = largest_step(law, effects.friction is not None, speed, along, across, caps)
     whole = contact_time(law, speed)
     if dt is None:
@@ -237,7 +239,7 @@ class _Contact:
         if start is None:
             return s, y
         if signal(end) <= 0:
-            end = brentq(signal, start, end, xtol=1e-18, rtol=1e-15)
+            end = brentq(signal, start, end, xtol=1e-18, rtol=1e-15, maxiter=1000)  # also of a jump
         return end, self.stepped(s, y, end)
 
     def first(
@@ -275,7 +277,7 @@ def follow(
     ValueError
         If another cap or corner touches too, or a tangential spring has no dashpot beside it.
     RunError
-        If friction switches without an end.
+        If friction switches without an end, or a dashpot is too stiff.
     """
     spring = effects.friction.spring if effects.friction else None
     if spring and not any(spring[2:]):  # its dashpots
@@ -294,6 +296,8 @@ def follow(
         going = True
         while going:
             solver.step()
+            if solver.status == "failed" or contact.evaluations > _MOST:
+                raise RunError("dop853 cannot follow so stiff a contact; verlet can")
             signals = left, *_, overlap = contact.signals(solver.y)
             watch[WATCH_DEEPEST] = max(watch[WATCH_DEEPEST], overlap)
             if effects.upper and overlap > height_of_second(effects, tilt + solver.y[2]):

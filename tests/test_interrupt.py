@@ -320,6 +320,16 @@ def test_a_signal_during_the_imports_ends_the_command(line, number, tmp_path):
         assert all(line.startswith(f"python -m {package}") for line in said)
 
 
+def test_a_package_that_imports_this_one_keeps_ctrl_c(tmp_path):
+    """Python imports it as it imports the package of a command, for `python -m`."""
+    mine = tmp_path / "mine"
+    mine.mkdir()
+    (mine / "__init__.py").write_text("import derivations, figures, md")
+    told = "import signal; print(signal.getsignal(signal.SIGINT) is signal.default_int_handler)"
+    (mine / "__main__.py").write_text(told)
+    assert python("-m mine", cwd=tmp_path).stdout == "True\n"
+
+
 LONG = {
     "run": "md run quasi2d --periods 1000000 --checkpoint a.npz",
     "claims": "figures claims --quick",

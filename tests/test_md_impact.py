@@ -170,6 +170,14 @@ def test_restitution_is_what_was_asked(integrator, restitution):
             assert hit.restitution == pytest.approx(restitution, abs=5e-5)
 
 
+@pytest.mark.parametrize("rod", [ROD, md.Rod(1.0)])
+@pytest.mark.parametrize("restitution", [1e-6, 1e-5, 1e-4, 1e-3])
+def test_a_strong_dashpot_stops_a_rod_by_the_default_step(restitution, rod):
+    law = md.coulomb(restitution)
+    found = md.impact(0.0, 0.0, -1.0, friction=0.3, law=law, rod=rod).restitution
+    assert found == pytest.approx(restitution, rel=0.02)
+
+
 def test_damping_ratio_inverts_restitution():
     for restitution in (1e-6, 0.05, 0.25, np.exp(-2), 0.65, 1 - 1e-9, 1.0):
         assert head_on_restitution(damping_ratio(restitution)) == pytest.approx(

@@ -14,6 +14,7 @@ from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 
 import md
+from md import soft_impact
 from md.kernels import FREE
 from md.kernels.contact import Friction, Instant, friction_of_mode
 
@@ -133,6 +134,24 @@ def test_twelve_digits(law, case, regime):
     assert (0 in modes) == (
         regime == "slip-stick" or (regime != "slide" and law.spring is not None)
     )
+
+
+@each_law
+@pytest.mark.parametrize(("tilt", "friction"), [(20, 0.3), (-20, 10.0), (70, 3.0)])
+def test_a_contact_may_begin_without_slip(law, tilt, friction):
+    tilt, velocity = radians(tilt), (0.0, -1.0, 0.0)
+    hit = md.impact(tilt, *velocity, friction=friction, law=law, integrator="dop853")
+    wanted, _ = SoftRod(law, friction, tilt).follow(velocity, STEPS)
+    assert_allclose(hit[:3], wanted, rtol=0, atol=1e-12)
+
+
+def test_a_contact_too_stiff_to_follow_ends_in_one_line(monkeypatch):
+    """Its first step fails, or its evaluations are too many."""
+    stiff = md.constant_restitution(tangential_damping=1e20)
+    for law in (stiff, md.coulomb()):
+        with pytest.raises(md.RunError, match="cannot follow so stiff a contact; verlet can"):
+            md.impact(0.35, 0.5, -1.0, friction=0.3, law=law, integrator="dop853")
+        monkeypatch.setattr(soft_impact, "_MOST", 100)
 
 
 @each_law

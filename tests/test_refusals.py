@@ -22,6 +22,7 @@ from derivations import languages
 from impact import bouncing, compiled
 from md.kernels.contact import Normal, Spring
 from md.placement import largest_tilt, placed
+from md.search import search
 from md.store import Store, table, write_csv
 from md.sweep import execute, expand
 

@@ -10,6 +10,7 @@ import pytest
 from numpy.random import default_rng
 
 from md import sweep
+from md.__main__ import search_text
 from md.domains import InputError, RunError
 from md.scene import put, read_tables
 from md.search import _draws, expand, search
@@ -108,6 +109,26 @@ def test_the_box_around_the_best_points_cuts_nothing_off(tmp_path, monkeypatch, 
     value, spread = told.parameters["friction"]
     assert abs(value - friction) < 3 * spread
     assert (spread < 0.01) if error < 1 else (abs(spread - 0.5 / 12**0.5) < 0.01)
+
+
+@pytest.mark.parametrize("friction", [0.05, -0.2])
+def test_a_truth_beyond_the_range_is_at_its_end(tmp_path, monkeypatch, friction):
+    monkeypatch.setattr(sweep, "_of_run", made_run)
+    given = tables(tmp_path, friction, parameters=PARAMETERS[:1], points=8)
+    told = search_text(search(expand(given, BASE, tmp_path), tmp_path / "runs.db", workers=1))
+    assert "reaches an end of its range, 0.1 to 0.6" in told
+
+
+def test_scatter_that_hides_whether_the_scene_fits_is_told(tmp_path, monkeypatch):
+    def rough(point):
+        made = made_run(point)
+        noise = default_rng(int(1e6 * point.scene.contacts.plate.friction))
+        return made | {"c_x_cm_s": made["c_x_cm_s"] + noise.normal(0, 2)}
+
+    monkeypatch.setattr(sweep, "_of_run", rough)
+    given = tables(tmp_path, parameters=PARAMETERS[:1], points=16, rounds=1)
+    told = search_text(search(expand(given, BASE, tmp_path), tmp_path / "runs.db", workers=1))
+    assert "warning: no point fits the data, and runs scatter too much" in told
 
 
 def test_draws_follow_a_ridge_and_leave_a_lesser_minimum():
