@@ -16,7 +16,7 @@ from typing import Any, NoReturn
 # ["-m"]: Python imports the package of a command, this one or another that imports this one.
 if (
     sys.argv[:1] == ["-m"]
-    and " ".join(sys.orig_argv).partition(" -m")[2].split()[:1] == [__package__]
+    and f" -m {__package__} " in " ".join([*sys.orig_argv, ""])
     and signal.getsignal(signal.SIGINT) is signal.default_int_handler
 ):
     signal.signal(signal.SIGINT, signal.SIG_DFL)

@@ -84,24 +84,19 @@ def search_text(found: Any) -> str:
         rows = []
         for parameter in found.search.parameters:
             value, error = estimates[parameter.name]
-            row = {"parameter": parameter.name, "value": value, "error": error, "note": ""}
-            if not parameter.low + 2 * error < value < parameter.high - 2 * error:
-                row["note"] = (
-                    f"reaches an end of its range, {parameter.low:g} to {parameter.high:g}"
-                )
-            rows.append(row)
+            note = f"reaches an end of its range, {parameter.low:g} to {parameter.high:g}"
+            if parameter.low + 2 * error < value < parameter.high - 2 * error:
+                note = ""
+            rows.append({"parameter": parameter.name, "value": value, "error": error, "note": note})
         lines += ["", "estimates, with standard errors", *_table(rows)]
-        fitted, drawn = told["least_misfit"], found.misfits.min()
+        drawn = found.misfits.min()
         lines.append(
-            f"least misfit  {fitted:.3g}, of {data} data; of a point that was run {drawn:.3g}"
+            f"least misfit  {told['least_misfit']:.3g}, of {data} data; of a point run {drawn:.3g}"
         )
-        most = data + 4 * sqrt(2 * data)
-        if fitted > most:
-            lines.append("warning: the scene does not fit the data; the errors do not hold")
-        elif drawn > most:
+        if drawn > data + 4 * sqrt(2 * data):
             lines.append(
-                "warning: no point fits the data, and runs scatter too much to tell whether one "
-                "would: longer runs, more starts or more points tell"
+                "warning: no point fits the data; the errors hold only where longer runs, more "
+                "starts or more points give one"
             )
     else:
         lines += ["", "too few points near the best one for estimates: more points or rounds"]
@@ -351,9 +346,9 @@ def search(search: str, store: str, as_json: bool, **how: Any) -> None:
     "--csv", metavar="OUT", help="Write all columns to a file, keys and drift in both units."
 )
 def results(store: str, csv: str | None) -> None:
-    """Table of a store: a line a run, with what differs, in units of d, g and m.
+    """Table of a store: a line a run, with what differs.
 
-    STORE is the SQLite file of a sweep.
+    STORE is the SQLite file of a sweep. Keys are shown in units of d and g, whatever an axis gave.
 
     \b
     python -m md results drift.db

@@ -268,7 +268,7 @@ def steps_per_contact(scene: Scene, dt: float) -> float:
     return min(contact_time(c.law, 2 * scene.plate_speed) for c in found) / dt
 
 
-def stepped(scene: Scene, tolerance: float, *, measure_bias: bool = False) -> tuple[Scene, bool]:
+def stepped(scene: Scene, tolerance: float, measure_bias: bool = False) -> tuple[Scene, bool]:
     """Scene with the step for a tolerance, and whether the bias of the step is to be measured.
 
     A bias that is measured is known to about a third of itself: below the allowance the step
@@ -338,11 +338,11 @@ def run(
                 raise InputError(f"{name} has no meaning without tolerance")
         return simulation.run(scene, **options)
     checked(tolerance=tolerance, periods=options.get("periods"), **own)
-    measure_bias = held("measure_bias", measure_bias, bool)
     starts = STARTS if workers is None else whole("workers", workers, STARTS, MOST_STARTS)
     if options.get("checkpoint") is not None:
         raise InputError("checkpoint has no meaning with tolerance: it holds one start alone")
-    fine, doubled = stepped(scene, tolerance, measure_bias=measure_bias)
+    asked = held("measure_bias", measure_bias, bool)
+    fine, doubled = stepped(scene, tolerance, asked)
     floor = FLOOR * scene.plate_speed if floor is None else floor
     goal = _Goal(tolerance, confidence, floor, max_seconds, starts, scene.annulus is not None)
     result = pursued(goal, starts_of(fine, starts, doubled, options))
@@ -364,20 +364,24 @@ def starts_of(scene: Scene, starts: int, doubled: bool, options: dict[str, Any])
         assert scene.step.size is not None
         longer = replace(scene.step, size=2 * scene.step.size)
         scenes += [replace(one, step=longer) for one in scenes]
-    ledger = options.get("ledger", True)  # else another kernel would have to be compiled
-    runs = [Run(scenes[0], MOST_PERIODS_OF_A_START, **options)]
-    return runs + [Run(one, MOST_PERIODS_OF_A_START, ledger=ledger) for one in scenes[1:]]
+    alike = {"ledger": options.get("ledger", True)}  # else another kernel would be compiled
+    return [
+        Run(one, MOST_PERIODS_OF_A_START, **(options if one is scenes[0] else alike))
+        for one in scenes
+    ]
 
 
-def checked(*, periods: int | None = None, **options: float | None) -> None:
-    """Check the options of a run with a tolerance against their domains."""
+def checked(*, periods: int | None = None, **options: float | None) -> dict[str, float]:
+    """Options of a run with a tolerance that are given, checked against their domains."""
     if periods is not None:
         raise InputError("periods has no meaning with tolerance, which chooses the length")
     if "tolerance" not in options:
         raise InputError(f"{next(iter(options))} has no meaning without tolerance")
-    for name, value in options.items():
-        if value is not None or name != "floor":
-            number(name, value, *DOMAINS[name])
+    return {
+        name: number(name, value, *DOMAINS[name])
+        for name, value in options.items()
+        if value is not None or name != "floor"
+    }
 
 
 def _accuracy(goal: _Goal, result: Result) -> Accuracy:

@@ -1,16 +1,13 @@
 """Output files: checked before the work begins, and replaced only when the new one is whole."""
 
 import os
-import stat
 import tempfile
 import warnings
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, nullcontext, suppress
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
 from .domains import InputError
-
-_KINDS = {"b": "device", "c": "device", "d": "folder", "p": "FIFO", "s": "socket"}
 
 
 def warn(message: str) -> None:
@@ -51,11 +48,10 @@ def plain(path: str | Path) -> Path:
     OSError
         If it is a folder, a device, a FIFO or a socket: none may be replaced, and reading may hang.
     """
-    with suppress(FileNotFoundError):
-        kind = stat.filemode(Path(path).stat().st_mode)[0]
-        if kind in _KINDS:
-            raise OSError(f"{path} is a {_KINDS[kind]}, not a plain file")
-    return Path(os.path.realpath(path))
+    whole = Path(os.path.realpath(path))
+    if whole.exists() and not whole.is_file():
+        raise OSError(f"{path} is not a plain file")
+    return whole
 
 
 def text_of(path: str | Path) -> str:

@@ -97,11 +97,9 @@ def stable_step(scene: Scene) -> tuple[float, float]:
     for name, (along, across, caps, late) in near.items():
         contact = getattr(scene.contacts, name)
         if contact is not None:
-            rubs = contact.friction > 0 and not scene.step.coarse
-            load = rubs, speed, along, across, caps
-            key = f"contacts.{name}."
-            limit = largest_step(contact.law, *load, late=late, rods=name == "rods", key=key)
-            limits.append(limit)
+            rubs, key = contact.friction > 0 and not scene.step.coarse, f"contacts.{name}."
+            load = contact.law, rubs, speed, along, across, caps
+            limits.append(largest_step(*load, late=late, rods=name == "rods", key=key))
             times.append(contact_time(contact.law, speed))
     return min(limits, default=np.inf), min(times, default=0.05)
 

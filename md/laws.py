@@ -259,7 +259,8 @@ def largest_step(
     stiff = 1.5 * normal.stiffness * sqrt(d) * light
     dash = (normal.quarter or 0.0) * sqrt(sqrt(d) / (1 + across)) * light
     dash += ((normal.proportional or 0.0) * d + (normal.constant or 0.0)) * light
-    turns, dash = dash, 4 * others * dash
+    turns = 4 * dash / caps
+    dash *= 4 * others
     if friction and law.spring is not None:
         spring, light = law.spring, caps * (1 + along)
         k = (spring.proportional or 0.0) * d + (spring.root or 0.0) * sqrt(d)
@@ -267,7 +268,7 @@ def largest_step(
         rubbing = (spring.proportional_dashpot or 0.0) * d + (spring.constant_dashpot or 0.0)
         rubbing += 2 * (spring.damping_ratio or 0.0) * sqrt(k / (1 + along))
         dash += rubs * rubbing * light
-    return 8 / max(dash + sqrt(dash * dash + 16 * stiff), 4 * turns / caps)
+    return 8 / max(dash + sqrt(dash * dash + 16 * stiff), turns)
 
 
 Length = Annotated[float, 1.0, 1000.0]  # d
@@ -353,6 +354,8 @@ def lower_end(effects: Effects, tilt: float) -> LowerEnd:
 
 
 def height_of_second(effects: Effects, tilt: float) -> float:
-    """Height of the second cap or corner over the one that touches first, in d."""
+    """Height of the second cap or corner over the one that touches first, in d; a sphere's: inf."""
+    if effects.upper is None:
+        return inf
     corner = inf if effects.flat is None else abs(sin(tilt))
     return min(2 * effects.half_length * cos(tilt), corner)

@@ -273,7 +273,7 @@ def _in_space(rods: np.ndarray, rolling: float = 0.0) -> Iterator[tuple]:
         a, b, c = director = row[DIRECTOR:VELOCITY]
         across = a if plane else hypot(a, b)  # in a row tilts have a sign
         phi = atan2(across, c)
-        if across == 0.0:  # points straight up or down, and may turn about any level axis
+        if not across:  # points straight up or down, and may turn about any level axis
             a = across = 1.0
         part = sin(phi / 2) / across
         turn = 0.0 - b * part, a * part, 0.0, cos(phi / 2)

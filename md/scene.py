@@ -387,11 +387,9 @@ def keys() -> Iterator[tuple[str, str]]:
 
 def _parsed(assignment: str) -> tuple[str, Any]:
     """Key and value of KEY=VALUE: the value as TOML or Python writes it, or a bare word."""
-    if not isinstance(assignment, str):
-        raise InputError(f"assignments must be texts KEY=VALUE, got {assignment!r}")
-    key, equals, text = map(str.strip, assignment.partition("="))
+    key, equals, text = map(str.strip, str(assignment).partition("="))
     if not equals or not key or "\n" in text:
-        raise InputError(f"--set needs KEY=VALUE, got {assignment!r}")
+        raise InputError(f"assignments (--set) must be KEY=VALUE, got {assignment!r}")
     try:
         return key, tomllib.loads(f"value = {text}")["value"]
     except (ValueError, RecursionError):  # no TOML, or a whole number of thousands of digits
@@ -497,7 +495,6 @@ def load(source: str | Path, assignments: Sequence[str] = ()) -> Scene:
     ValueError, TypeError
         If the file cannot be read or does not hold a scene.
     """
-    given = [assignments] if isinstance(assignments, str) else listed(assignments)
-    if given is None:
-        raise InputError(f"assignments must be texts KEY=VALUE, got {assignments!r}")
-    return from_tables(put(read_tables(source), dict(map(_parsed, given))))
+    given = listed(assignments)
+    changes = map(_parsed, [assignments] if given is None else given)
+    return from_tables(put(read_tables(source), dict(changes)))

@@ -42,7 +42,7 @@ import csv
 import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations_with_replacement, product
 from pathlib import Path
@@ -234,20 +234,18 @@ class Found:
 
     @property
     def box(self) -> np.ndarray:
-        """Ends of a box around the best quarter of the points and some way beyond, (2, parameters).
+        """Ends of a box around the best quarter of the points, (2, parameters).
 
-        Where no point lies beyond, the box ends with the range.
+        It goes on to the next point in each direction, or where there is none to the range's end.
         Points that are as good as the best one belong to the best, however many they are.
         """
         parts, misfits = self.parts, self.misfits
         good = np.sum(misfits < misfits.min() + _AS_GOOD)
         few = max(len(parts) // 4, 2 * (parts.shape[1] + 1), good)
         near = parts[np.argsort(misfits)[:few]]
-        low, high = near.min(axis=0), near.max(axis=0)
-        margin = (high - low) / 4
-        low = np.where(low > parts.min(axis=0), low - margin, 0)
-        high = np.where(high < parts.max(axis=0), high + margin, 1)
-        return np.clip([low, high], 0, 1)
+        below, above = parts < near.min(axis=0), parts > near.max(axis=0)
+        ends = np.where(below, parts, 0).max(axis=0), np.where(above, parts, 1).min(axis=0)
+        return np.array(ends)
 
     @cached_property
     def estimates(self) -> Estimates:
@@ -290,17 +288,19 @@ def search(given: Search, store: str | Path, **how: Any) -> Found:
     if no point has results at all targets.
     """
     held("given", given, Search)
-    parts, runs, tallies, low, high = [], [], [], 0.0, 1.0
+    parts, runs, low, high = [], [], 0.0, 1.0
+    tally: Counter[str] = Counter()
     for number in range(given.rounds):
         drawn = qmc.Sobol(len(given.parameters), seed=_SEED + number).random(given.points)
         parts.append(low + drawn * (high - low))
         sweep = given.sweep(parts[-1])
-        tallies.append(astuple(execute(sweep, store, **how)))
+        tally.update(vars(execute(sweep, store, **how)))
         runs.append(_at_targets(given, sweep, store))
-        tally = Tally(*map(sum, zip(*tallies, strict=True)))
-        found = Found(given, np.concatenate(parts), np.concatenate(runs), tally)
+        found = Found(given, np.concatenate(parts), np.concatenate(runs), Tally(**tally))
         if not np.isfinite(found.results).all(axis=1).any():
-            raise RunError(f"no point has all results at the targets; {tally.failed} runs failed")
+            raise RunError(
+                f"no point has all results at the targets; {found.tally.failed} runs failed"
+            )
         low, high = found.box
     return found
 

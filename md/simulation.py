@@ -78,8 +78,9 @@ def _read(path: Path, scene: Scene) -> tuple[dict, dict[str, np.ndarray]]:
     except Exception:
         raise InputError(f"checkpoint {path} cannot be read: not one, or cut short") from None
     if other:
-        earlier = "an earlier version of md or other sources"
-        whose = earlier if "code" in other else "another scene, or to another step of it"
+        whose = "another scene, or to another step of it"
+        if "code" in other:
+            whose = "an earlier version of md or other sources"
         raise InputError(f"checkpoint {path} belongs to {whose}; remove it to start again")
     return about, arrays
 
@@ -125,8 +126,12 @@ class Run:
         self.bar = progress_bar(  # None: on a terminal and in a notebook
             total=periods, unit=" periods", delay=2, disable=None if progress else True
         )
-        words = ["compiling the kernels for such a scene, once: 10 to 30 s"]
-        notice = threading.Timer(2.0, self.bar.write, words, {"file": sys.stderr})
+        notice = threading.Timer(
+            2.0,
+            self.bar.write,
+            ["compiling the kernels for such a scene, once: 10 to 30 s"],
+            {"file": sys.stderr},
+        )
         if not self.bar.disable:
             notice.start()
         begin = perf_counter()
@@ -219,8 +224,7 @@ class Run:
 
     def history(self) -> np.ndarray:
         """Drift [sqrt(g d)] and number of falls of each period made, (2, periods)."""
-        drift, _, fell = self.tables.by_period(self.made)
-        return np.array([drift, fell])
+        return np.array(self.tables.by_period(self.made)[::2])
 
     def _energy(self) -> dict[str, float] | None:
         """Balance of the energy, m g d; None without a ledger."""

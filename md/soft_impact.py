@@ -20,7 +20,7 @@ import numpy as np
 from scipy.integrate import DOP853, solve_ivp
 from scipy.optimize import brentq
 
-from .domains import InputError, RunError, held, number, positive
+from .domains import InputError, RunError, held, number
 from .host import at_start
 from .kernels import (
     BACK,
@@ -114,21 +114,14 @@ def _step(law: Law, effects: Effects, speed: float, tilt: float, dt: float | Non
     if speed < _SLOWEST:
         raise InputError(f"the impact must be at {_SLOWEST:g} sqrt(g d) or faster, got {speed:g}")
     across, along = np.square(lower_end(effects, tilt).arm(tilt)) * effects.lightness
-    second = effects.upper and height_of_second(effects, tilt) < 2 * deepest_overlap(law, speed)
-    caps = 2 if second else 1
+    caps = 2 if height_of_second(effects, tilt) < 2 * deepest_overlap(law, speed) else 1
     largest = largest_step(law, effects.friction is not None, speed, along, across, caps)
     whole = contact_time(law, speed)
     if dt is None:
         return float(min(whole / _FINE, largest / 4))
-    dt = positive("dt", dt)
-    if dt > largest:
-        raise InputError(
-            f"dt must be at most {largest:.3g} sqrt(d/g), 1/{whole / largest:.1f} of the contact "
-            f"time {whole:.3g}, to be stable; got {dt!r}"
-        )
-    if dt < whole / _FINEST:
-        raise InputError(f"dt must be at least {whole / _FINEST:.3g} sqrt(d/g), got {dt!r}")
-    return dt
+    least = whole / _FINEST
+    stable = f"{largest:.3g} sqrt(d/g), 1/{whole / largest:.1f} of the contact time {whole:.3g}"
+    return number("dt", dt, least, largest, f"between {least:.3g} and {stable}, to be stable")
 
 
 def _by_steps(
@@ -189,15 +182,11 @@ class _Contact:
 
     def derivative(self, s: float, y: np.ndarray) -> np.ndarray:
         self.evaluations += 1
-        return 4 * s**3 * np.array(self.rates(y)[0])
-
-    def rates(self, y: np.ndarray) -> tuple[tuple, tuple]:
-        """Derivatives and signals in the present mode, as of `kernels.surfaces.rates`."""
-        return rates(*self.setting, self.mode, y)
+        return 4 * s**3 * np.array(rates(*self.setting, self.mode, y)[0])
 
     def signals(self, y: np.ndarray) -> tuple[float, float, float, float]:
         """Signals that fall to zero as the force, the mode, the first slip ends; the overlap."""
-        _, (left, spare, overlap, slip) = self.rates(y)
+        _, (left, spare, overlap, slip) = rates(*self.setting, self.mode, y)
         return left, spare - self.rest, self.side * slip, overlap
 
     def choose(self, y: np.ndarray) -> None:
@@ -205,13 +194,12 @@ class _Contact:
         if self.friction is None:
             return
         before, self.mode = self.mode, STICK
-        change, (_, spare, _, slip) = self.rates(y)
+        change, (_, spare, _, slip) = rates(*self.setting, self.mode, y)
         if before == FREE and slip != 0 and self.rigid:
             self.mode = FORWARD if slip > 0 else BACK
-        elif before in (FORWARD, BACK) and not self.rigid:
-            pass  # the force came down from its limit
-        elif before == STICK or spare < 0:
+        elif before == STICK or (spare < 0 and (self.rigid or before == FREE)):
             self.mode = BACK if change[3] > 0 else FORWARD
+        # else it sticks: of a slider, the force has come down from its limit
         self.rest = 0.0
         self.rest = min(self.signals(y)[1], 0.0)  # error of the location where a mode begins
 
@@ -295,12 +283,11 @@ def follow(
         others: tuple[int, ...] = (1,) if stopped or contact.rigid else (1, 2)
         going = True
         while going:
-            solver.step()
-            if solver.status == "failed" or contact.evaluations > _MOST:
+            if solver.step() or contact.evaluations > _MOST:
                 raise RunError("dop853 cannot follow so stiff a contact; verlet can")
             signals = left, *_, overlap = contact.signals(solver.y)
             watch[WATCH_DEEPEST] = max(watch[WATCH_DEEPEST], overlap)
-            if effects.upper and overlap > height_of_second(effects, tilt + solver.y[2]):
+            if overlap > height_of_second(effects, tilt + solver.y[2]):
                 raise InputError(
                     "dop853 follows one cap or corner, and here the second touches the plate"
                 )
@@ -404,9 +391,9 @@ def impact(
     v_f = c_z - omega * end.arm(done.tilt)[0]
     durations = done.watch[:IMPULSE]
     return Impact(
-        c_x=c_x,
-        c_z=c_z,
-        omega=omega,
+        c_x,
+        c_z,
+        omega,
         restitution=v_f / speed,
         regime=REGIMES[regime_of(done.watch)],
         phases=dict(zip(PHASES, durations.tolist(), strict=True)),

@@ -56,7 +56,7 @@ from joblib import Parallel, delayed, effective_n_jobs, parallel_config
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 
 from . import cache
-from .accuracy import MAX_SECONDS, checked, run, stepped
+from .accuracy import checked, run, stepped
 from .cache import deferred
 from .domains import InputError, RunError, as_dict, held, in_notebook, listed, span, tabled, whole
 from .files import warn
@@ -98,23 +98,19 @@ class Point:
 
     scene : what runs
     periods : 0 where a tolerance says how long
-    tolerance : of the drift, as in `md.run`
-    max_seconds : for it
+    chosen : tolerance of the drift and perhaps max_seconds, as in `md.run`; None: `periods`
     measure : None: the results of `md.run`
     """
 
     scene: Scene
     periods: int
-    tolerance: float | None = None
-    max_seconds: float = MAX_SECONDS
+    chosen: dict[str, Any] | None = None
     measure: Measure | None = None
 
     @property
     def length(self) -> dict[str, Any]:
         """Arguments of `md.run` that say how long the run is."""
-        if self.tolerance is None:
-            return {"periods": self.periods}
-        return {"tolerance": self.tolerance, "max_seconds": float(self.max_seconds)}
+        return self.chosen or {"periods": self.periods}
 
     @cached_property  # which goes along to the worker
     def key(self) -> str:
@@ -272,7 +268,7 @@ def expand(tables: Mapping, base: Mapping | None = None) -> Sweep:
     periods = whole("periods", tables.get("periods", 200), 1, MOST_PERIODS)
     chosen = {key: tables[key] for key in ("tolerance", "max_seconds") if key in tables}
     if chosen:
-        checked(periods=tables.get("periods"), **chosen)
+        chosen = checked(periods=tables.get("periods"), **chosen)
         periods = 0
     given = held("axes", tables.get("axes", []), list)
     axes = tuple(_axis(i, table) for i, table in enumerate(given))
@@ -289,11 +285,13 @@ def expand(tables: Mapping, base: Mapping | None = None) -> Sweep:
         for axis, number in zip(axes, place, strict=True):
             values |= {key: along[number] for key, along in axis.items()}
         changes = changes_of("axes", values)
-        points.append(point_at(base, {**common, **changes}, changes, periods, **chosen))
+        points.append(point_at(base, {**common, **changes}, changes, periods, chosen))
     return Sweep(axes, tuple(points))
 
 
-def point_at(base: Mapping, changes: Mapping, place: Mapping, periods: int, **chosen: Any) -> Point:
+def point_at(
+    base: Mapping, changes: Mapping, place: Mapping, periods: int, chosen: dict | None = None
+) -> Point:
     """Make a point of a sweep or a search; one that cannot run is refused by its place.
 
     Parameters
@@ -309,7 +307,7 @@ def point_at(base: Mapping, changes: Mapping, place: Mapping, periods: int, **ch
     except InputError as error:
         at = ", ".join(f"{key} = {value!r}" for key, value in place.items())
         raise InputError(f"{error} (at {at})" if at else str(error)) from None
-    return Point(scene, periods, **chosen)
+    return Point(scene, periods, chosen)
 
 
 def load_sweep(path: str | Path) -> Sweep:

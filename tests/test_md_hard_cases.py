@@ -214,7 +214,7 @@ def test_m6_too_large_a_step_is_refused_with_the_largest(law):
     largest = largest_at(tilt, LAWS[law])
     how = {"friction": 0.4, "law": LAWS[law]}
     md.impact(tilt, *velocity, dt=0.999 * largest, **how)
-    with pytest.raises(ValueError, match=f"dt must be at most {largest:.3g}"):
+    with pytest.raises(ValueError, match=f"dt must be between .* and {largest:.3g}"):
         md.impact(tilt, *velocity, dt=1.001 * largest, **how)
 
 

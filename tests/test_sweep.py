@@ -273,7 +273,8 @@ def test_a_key_says_what_is_computed(monkeypatch):
     scenes = axes({"start.tilt_deg": [10, 11]}).points
 
     def keys():
-        lengths = (5,), (6,), (0, 0.1), (0, 0.2), (0, 0.1, 7.0)
+        chosen = {"tolerance": 0.1}, {"tolerance": 0.2}, {"tolerance": 0.1, "max_seconds": 7.0}
+        lengths = (5,), (6,), *((0, how) for how in chosen)
         return {Point(one.scene, *length).key for one in scenes for length in lengths}
 
     before = keys()

@@ -88,7 +88,8 @@ def sweeps(quick: bool = False) -> Sweeps:
     """Sweeps: long runs over the step; runs to a tolerance, scene by scene."""
     sizes, most, scenes = steps(), LONG_PERIODS[quick], asked()
     long = [Point(_scene(dt), CUT + (most if dt > PAPER_STEP else most // 3)) for dt in sizes]
-    points = [Point(one, 0, tolerance) for one in scenes.values() for tolerance in DRIFT_TOLERANCES]
+    chosen = [{"tolerance": tolerance} for tolerance in DRIFT_TOLERANCES]
+    points = [Point(one, 0, how) for one in scenes.values() for how in chosen]
     axes = {"scene": [*scenes]}, {"tolerance": [*DRIFT_TOLERANCES]}
     return {
         "long": measured_by(Sweep(({"step.size": sizes},), tuple(long)), long_run),
