@@ -91,9 +91,13 @@ def test_sources_are_those_that_decide(tmp_path, monkeypatch):
         assert digest() == before
         path.write_text(f"{text}\nANOTHER = 1\n")
         assert (digest() != before) == counts
-    before, table = digest("two_codes"), tmp_path / "figures/checks/two_codes.toml"
-    table.write_text(table.read_text() + "# another run\n")
-    assert digest("two_codes") != before
+    for name, table in {
+        "two_codes": "checks/two_codes.toml",
+        "any_rods": "claims/claims.toml",
+    }.items():
+        before, path = digest(name), tmp_path / "figures" / table
+        path.write_text(path.read_text() + "# another run\n")
+        assert digest(name) != before
 
 
 def test_quick_pictures_say_so_and_full_ones_do_not(tmp_path, monkeypatch):

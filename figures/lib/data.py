@@ -31,9 +31,10 @@ _HOUSE = Path(__file__).parents[2]
 
 
 def _imports(path: Path, found: set[Path]) -> set[Path]:
-    """Add a file of `figures`, its table, and all that it imports from there."""
-    found |= {path, *path.parent.glob(f"{path.stem}.toml")}
-    for node in ast.walk(ast.parse(path.read_bytes())):
+    """Add a file of `figures`, the tables that it names, and all that it imports from there."""
+    source = path.read_text(encoding="utf-8")
+    found |= {path, *(table for table in path.parent.glob("*.toml") if table.name in source)}
+    for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.ImportFrom) and node.level:
             base = path.parents[node.level - 1] / (node.module or "").replace(".", "/")
             for name in (base.with_suffix(".py"), *(base / f"{a.name}.py" for a in node.names)):
