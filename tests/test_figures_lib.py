@@ -1,7 +1,6 @@
 """Commands of the figures and their files: what is kept, printed, and never replaced."""
 
 import shutil
-from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -30,13 +29,19 @@ def test_a_drawn_figure_is_three_files(tmp_path):
     assert (made["impact"], made["numpy"], made["quick"]) == (DIGEST, np.__version__, True)
 
 
-def test_interrupted_leaves_nothing_half_written(tmp_path, monkeypatch):
-    def interrupted(self, path, **_):
+@pytest.mark.parametrize(
+    ("error", "code", "words"),
+    [(KeyboardInterrupt(), 130, "interrupted"), (OSError(28, "No space left"), 2, "No space left")],
+)
+def test_what_ends_a_drawing_leaves_nothing_half_written(tmp_path, monkeypatch, error, code, words):
+    def ended(self, path, **_):
         path.write_bytes(b"half a picture")
-        raise KeyboardInterrupt
+        raise error
 
-    monkeypatch.setattr(Figure, "savefig", interrupted)
-    assert enter("figures draw fig10 --quick --out", tmp_path, code=130).err.count("\n") == 1
+    monkeypatch.setattr(Figure, "savefig", ended)
+    said = enter("figures draw fig10 --quick --out", tmp_path, code=code).err
+    assert words in said
+    assert said.count("\n") == 1
     assert names_in(tmp_path) == {"fig10.npz"}
 
 
@@ -116,11 +121,6 @@ def test_quick_pictures_say_so_and_full_ones_do_not(tmp_path, monkeypatch):
     drawing.produce("fig10", tmp_path, True, own={"friction": 0.2, "length": 3.0})
     drawing.produce("fig10", tmp_path, False, kept=tmp_path)
     assert all(words.endswith("$); quick; values not the paper's") for words in written[-4:])
-
-
-def test_a_disk_that_is_full_is_told(tmp_path, monkeypatch):
-    monkeypatch.setattr(Figure, "savefig", Mock(side_effect=OSError(28, "No space left")))
-    assert "No space left" in enter("figures draw fig10 --quick --out", tmp_path, code=2).err
 
 
 @pytest.mark.parametrize("name", ["fig10", "fig11"])
