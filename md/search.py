@@ -60,7 +60,6 @@ from .sweep import Sweep, Tally, execute, point_at
 
 _KEYS = "scene", "periods", "seeds", "points", "rounds", "set", "parameters", "data"
 _SEARCHES = Path(__file__).parent / "searches"
-_DEGREES = 3, 2, 1  # that polynomials may have
 _ENOUGH = 1.5  # points a coefficient that a polynomial needs
 _WALKERS = 2**8  # that draw
 _WARM_UPS, _WARM_UP, _STEPS = 6, 25, 150  # steps before draws, and of draws
@@ -131,7 +130,7 @@ class Search:
     parameters: tuple[Parameter, ...]
     targets: tuple[Target, ...]
     points: int
-    rounds: int = 1
+    rounds: int
 
     def misfit(self, results: np.ndarray, variance: Any) -> np.ndarray:
         """Sum over the targets of ((result - datum)/error)^2; one without a datum does not count.
@@ -234,18 +233,20 @@ class Found:
 
     @property
     def box(self) -> np.ndarray:
-        """Ends of a box around the best quarter of the points, (2, parameters).
+        """Ends of a box around the best quarter of the points and some way beyond, (2, parameters).
 
-        It goes on to the next point in each direction, or where there is none to the range's end.
+        Where no point lies beyond them, it goes on to the end of the range.
         Points that are as good as the best one belong to the best, however many they are.
         """
         parts, misfits = self.parts, self.misfits
         good = np.sum(misfits < misfits.min() + _AS_GOOD)
         few = max(len(parts) // 4, 2 * (parts.shape[1] + 1), good)
         near = parts[np.argsort(misfits)[:few]]
-        below, above = parts < near.min(axis=0), parts > near.max(axis=0)
-        ends = np.where(below, parts, 0).max(axis=0), np.where(above, parts, 1).min(axis=0)
-        return np.array(ends)
+        low, high = near.min(axis=0), near.max(axis=0)
+        margin = (high - low) / 4
+        low = (low - margin) * (low > parts.min(axis=0))
+        high = 1 - (1 - high - margin) * (high < parts.max(axis=0))
+        return np.clip([low, high], 0, 1)
 
     @cached_property
     def estimates(self) -> Estimates:
@@ -334,7 +335,7 @@ def _surfaces(places: np.ndarray, results: np.ndarray) -> tuple[Callable, np.nda
     Function of places, (m, coordinates), that gives the values of the polynomials, (m, targets),
     and their variances, (targets,).
     """
-    degree = max(k for k in _DEGREES if len(places) >= _ENOUGH * math.comb(places.shape[1] + k, k))
+    degree = max(k for k in (1, 2, 3) if len(places) >= _ENOUGH * math.comb(places.shape[1] + k, k))
     terms = _terms(places, degree)
     inverse = np.linalg.pinv(terms)
     weights = inverse @ results
@@ -404,8 +405,10 @@ def _measured(path: Path, result: str) -> list[Target]:
     except csv.Error as why:  # a cell of a hundred thousand letters
         raise InputError(f"{path}: {why}") from None
     if not rows or not {result, "error"} < set(heads) or len(set(heads)) < len(heads):
-        columns = f"columns {result}, error and keys of the scene, each once"
-        raise InputError(f"{path} must have {columns}, and rows; got {', '.join(heads)}")
+        raise InputError(
+            f"{path} must have columns {result}, error and keys of the scene, each once, and rows; "
+            f"got {', '.join(heads)}"
+        )
     targets = []
     for count, row in enumerate(rows, 1):
         where = f"{path}, row {count}"
@@ -414,8 +417,9 @@ def _measured(path: Path, result: str) -> list[Target]:
                 raise ValueError
             cells = dict(zip(heads, (float(cell or "nan") for cell in row), strict=True))
         except ValueError:
-            wanted = f"{len(heads)} numbers or empty cells"
-            raise InputError(f"{where}, must have {wanted}, got {', '.join(row)}") from None
+            raise InputError(
+                f"{where}, must have {len(heads)} numbers or empty cells, got {', '.join(row)}"
+            ) from None
         value, error = cells.pop(result), cells.pop("error")
         if not math.isnan(value):
             finite(f"{where}, {result}", value)
@@ -451,8 +455,9 @@ def expand(tables: Mapping, base: Mapping, folder: Path = Path()) -> Search:
     parameters = tuple(_parameter(f"parameters[{i}]", table) for i, table in enumerate(ranges))
     names = [parameter.name for parameter in parameters]
     if not names or len({*names, "misfit"}) <= len(names):  # the misfit is a column beside them
-        wanted = "one or more, with different names other than misfit"
-        raise InputError(f"parameters must be {wanted}, got {names}")
+        raise InputError(
+            f"parameters must be one or more, with different names other than misfit, got {names}"
+        )
     common = changes_of("set", tables.get("set", {}))
     places = dict.fromkeys(key for target in targets for key in target.place)
     varied = [key for parameter in parameters for key in parameter.keys]

@@ -472,8 +472,9 @@ def execute(
                     tally.run_seconds += seconds
                     bar.update()
         except KeyboardInterrupt:
-            done = tally.computed + tally.failed
-            raise Interrupted(f"{done} of {len(wanted)} runs done and stored") from None
+            raise Interrupted(
+                f"{tally.computed + tally.failed} of {len(wanted)} runs done and stored"
+            ) from None
     tally.seconds = perf_counter() - begin
     return tally
 
