@@ -121,7 +121,8 @@ def test_neighbours_by_azimuth_are_all_close_pairs(radius, count):
 def test_m9_forces_are_those_of_all_pairs(n, period):
     """Every image of every pair counts once, as by brute force; some ten forces round by EPS each.
 
-    Rods are up to three periods away from the box. In the box of 2.01 a rod touches its own images, which turn it upright.
+    Rods are up to three periods away from the box. In the box of 2.01 a rod touches its own
+    images, which turn it upright.
     """
     random = default_rng(1)
     x = (np.arange(n) + random.uniform(-0.05, 0.05, n)) * period / n
