@@ -308,11 +308,13 @@ def all_effects(scene: Scene, per: int) -> Effects:
     if gap is None:
         return effects
     assert wall is not None
-    rolling = rod.gyration_squared / rod.axial_gyration_squared - 1
+    inertia = effects.inertia
+    if scene.rods.rolling:
+        inertia = inertia._replace(rolling=rod.gyration_squared / rod.axial_gyration_squared - 1)
     return effects._replace(
+        inertia=inertia,
         up=IN_SPACE,
         gravity=gravity.z if gravity else None,
-        rolling=rolling if scene.rods.rolling else None,
         walls=Walls(*wall, gap.inner, gap.outer),
         shaken=gap.shaken or None,
     )

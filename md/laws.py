@@ -31,7 +31,7 @@ from scipy.optimize import brentq
 
 from .domains import InputError, Part, as_dict, flat, held, not_negative, number, positive
 from .kernels import DEEP
-from .kernels.contact import Friction, Normal, Spring
+from .kernels.contact import Friction, Inertia, Normal, Spring
 from .kernels.state import Effects, Motion
 
 STIFFNESS = 5e6  # k_n of Appendix A in m g/d^(3/2)
@@ -272,7 +272,7 @@ def largest_step(
 
 
 Length = Annotated[float, 1.0, 1000.0]  # d
-Inertia = Literal["solid", "thin"]
+Mass = Literal["solid", "thin"]  # of the uniform body, or of a thin rod
 
 
 @dataclass(frozen=True)
@@ -287,7 +287,7 @@ class Rod(Part):
     """
 
     length: Length = 9.5
-    inertia: Inertia = "solid"
+    inertia: Mass = "solid"
     ends: Literal["round", "flat"] = "round"
 
     @property
@@ -326,10 +326,10 @@ def effects_of(
     plate: Motion | None,
 ) -> Effects:
     """`Effects` on one rod; without a law it has no contact with the plate."""
-    half, light = rod.half_length, 1 / rod.gyration_squared
+    half, inertia = rod.half_length, Inertia(1 / rod.gyration_squared)
     normal, rubbing = (law.normal, friction_of(law, friction)) if law else (None, None)
     upper, flat = half > 0 or None, rod.ends == "flat" or None
-    return Effects(half, light, normal, rubbing, gravity, plate, upper, flat)
+    return Effects(half, inertia, normal, rubbing, gravity, plate, upper, flat)
 
 
 class LowerEnd(NamedTuple):

@@ -20,7 +20,7 @@ from typing import Annotated, Any, get_args
 
 from .domains import InputError, Part, as_dict, hints, in_notebook, listed
 from .files import text_of
-from .laws import LAWS, Inertia, Law, Length
+from .laws import LAWS, Law, Length, Mass
 from .units import GRAVITY_CM, TWINS, Diameter, Frequency, cm_per_s, in_cm, reduced, rivals
 
 SCENES = Path(__file__).parent / "scenes"
@@ -51,7 +51,7 @@ class Rods(Part):
 
     count: Annotated[int, 1, 10**6] = 1
     length: Length = 9.5
-    inertia: Inertia = "solid"
+    inertia: Mass = "solid"
     diameter_cm: Diameter = 0.6
     rolling: bool = False
 

@@ -206,7 +206,7 @@ class Run:
                 if since < frames:  # the first step at or behind `number` parts of the period
                     now = engine.step / engine.per, engine.plate_height
                     with naming(trajectory.path):
-                        trajectory.write(engine.rods, *now, engine.effects.rolling or 0.0)
+                        trajectory.write(engine.rods, *now, engine.effects.inertia.rolling or 0.0)
                 steps = min(steps, -(-(number + 1) * engine.per // frames) - engine.step)
             begin = perf_counter()
             engine.go(steps, self.tables.series)

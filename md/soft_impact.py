@@ -113,7 +113,7 @@ def _step(law: Law, effects: Effects, speed: float, tilt: float, dt: float | Non
     """Step asked for, or a good one, in sqrt(d/g); a step that is not stable is refused."""
     if speed < _SLOWEST:
         raise InputError(f"the impact must be at {_SLOWEST:g} sqrt(g d) or faster, got {speed:g}")
-    across, along = np.square(lower_end(effects, tilt).arm(tilt)) * effects.lightness
+    across, along = np.square(lower_end(effects, tilt).arm(tilt)) * effects.inertia.lightness
     caps = 2 if height_of_second(effects, tilt) < 2 * deepest_overlap(law, speed) else 1
     largest = largest_step(law, effects.friction is not None, speed, along, across, caps)
     whole = contact_time(law, speed)

@@ -25,7 +25,7 @@ from md.kernels import (
     VELOCITY,
     X,
 )
-from md.kernels.contact import ContactForces, Friction, Normal
+from md.kernels.contact import ContactForces, Friction, Inertia, Normal
 from md.kernels.march import Watchers
 from md.kernels.neighbours import Axes, nearest
 from md.kernels.state import Effects, Motion, Walls
@@ -86,7 +86,7 @@ AT_REST = Motion(np.zeros(1), np.zeros(1))
 FAR_BELOW = AT_REST._replace(height=np.full(1, -1e3))
 LOSSY_FORCES = ContactForces(LOSSY.normal, ROUGH)
 ELASTIC_RODS = ContactForces(ELASTIC, SMOOTH)
-FREE = Effects(HALF, LIGHT, *LOSSY_FORCES, plate=FAR_BELOW, between=LOSSY_FORCES)
+FREE = Effects(HALF, Inertia(LIGHT), *LOSSY_FORCES, plate=FAR_BELOW, between=LOSSY_FORCES)
 PLANE = FREE._replace(gravity=(0.0, 0.0), period=1e6)
 SPACE = FREE._replace(
     gravity=0.0,
@@ -94,7 +94,7 @@ SPACE = FREE._replace(
     walls=Walls(*LOSSY_FORCES, 1.0, 1e3),
     shaken=True,
 )
-ROLLS = SPACE._replace(friction=HELD, rolling=15.0, shaken=None)
+ROLLS = SPACE._replace(friction=HELD, inertia=Inertia(LIGHT, 15.0), shaken=None)
 ELASTIC_PLANE = PLANE._replace(between=ELASTIC_RODS)
 
 

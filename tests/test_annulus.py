@@ -83,7 +83,7 @@ def test_a_cap_that_friction_holds_does_not_slip_as_its_rod_rolls():
     engine = prepare(ring(*ROLLING, *still))
     for motion in engine.plate:
         motion[:] = 0
-    half, rolling, rod = engine.effects.half_length, engine.effects.rolling, engine.rods[0]
+    half, rolling, rod = engine.effects.half_length, engine.effects.inertia.rolling, engine.rods[0]
     up, a = np.array([0, 0, 1]), np.array([0, 0.3, 1]) / np.hypot(0.3, 1)
     w = up - a * (up @ a) + a * 3 / (1 + rolling)
     engine.rods[:, 2] += 20  # all but one are out of the way

@@ -13,7 +13,7 @@ import md
 from impact import Body, collide_pair
 from md.kernels import C_X, OMEGA, PAIR_NORMAL
 from md.kernels.batch import SIZE
-from md.kernels.contact import ContactForces
+from md.kernels.contact import ContactForces, Inertia
 from md.kernels.neighbours import Axes, between_ends, near_end
 from md.kernels.state import Walls
 
@@ -324,7 +324,7 @@ def restitution_of_rods(law, overlapped):
     x, z = (1, shift) if overlapped else (2 * HALF + 1, 0)
     rods = in_plane((0, 0, lying, speed, 0, 0), (x + 1e-6, z, lying, -speed, 0, 0))
     law = ContactForces(normal(law, md.laws.STIFFNESS), SMOOTH)
-    effects = PLANE._replace(between=law, lightness=12 / 9.5**2)
+    effects = PLANE._replace(between=law, inertia=Inertia(12 / 9.5**2))
     rods = go(started(effects, rods, 1e-5), 15_000).rods
     turned = shift / 2 * rods[:, OMEGA].sum() if overlapped else 0.0
     return (rods[1, C_X] - rods[0, C_X] - turned) / (2 * speed)

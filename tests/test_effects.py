@@ -12,7 +12,7 @@ from numpy.testing import assert_array_equal
 import md
 from md import host
 from md.host import prepare
-from md.kernels.contact import ContactForces, Friction, Normal
+from md.kernels.contact import ContactForces, Friction, Inertia, Normal
 from md.kernels.march import Watchers
 from md.kernels.state import Walls
 from md.kernels.vectors import IN_PLANE, IN_SPACE
@@ -95,7 +95,8 @@ def marched(kernel, watched=False, **acting):
     if (up := acting.get("up", IN_PLANE)) == IN_SPACE:
         flat, rods = rods, np.zeros((4, 12))
         rods[:, [0, 2, 3, 5, 6, 8, 10]], rods[:, 1] = flat, -20.0
-    engine, series = started(host.Effects(1.5, 0.5, up=up)._replace(**acting), rods, 5e-4), None
+    effects = host.Effects(1.5, Inertia(0.5), up=up)._replace(**acting)
+    engine, series = started(effects, rods, 5e-4), None
     if watched:
         series = engine.series(1)._replace(per=2000, every=10)
     else:
@@ -169,10 +170,10 @@ EFFECTS = {
         "joined_ends",
     ),
     "rolling on the plate": (
-        REST | {"up": IN_SPACE, "rolling": 15.0, "friction": CONSTRAINT},
+        REST | {"up": IN_SPACE, "inertia": Inertia(0.5, 15.0), "friction": CONSTRAINT},
         {"up": IN_SPACE},
         ALOFT,
-        "effects.rolling effects.normal effects.friction",
+        "effects.inertia.rolling effects.normal effects.friction",
     ),
     "friction, gravity and shaking in space": (
         SPACE._asdict() | {"watched": True},  # as in other tests: parts of it are compiled
@@ -228,5 +229,5 @@ def test_no_friction_is_the_same_as_a_coefficient_of_zero():
     alone = "contacts.rods=none", "rods.count=1", "start.tilt_deg=10"
     engine = prepare(ring("annulus.shaken=false", *alone))
     assert engine.effects.between is engine.effects.shaken is engine.state.listed is None
-    assert engine.effects.rolling is None
-    assert prepare(ring(*ROLLING)).effects.rolling > 0
+    assert engine.effects.inertia.rolling is None
+    assert prepare(ring(*ROLLING)).effects.inertia.rolling > 0

@@ -281,7 +281,7 @@ def test_m6_the_largest_step_is_stable_for_rods_side_by_side(rolling):
     rods[:, VELOCITY:] = default_rng(2).uniform(-1e-6, 1e-6, (5, 6))
     rods[:, TURN + 2] *= rolling
     top = 1 / (LIGHT * md.Rod(9.5).axial_gyration_squared) - 1
-    scene = ROLLS._replace(rolling=top) if rolling else SPACE
+    scene = ROLLS._replace(inertia=ROLLS.inertia._replace(rolling=top)) if rolling else SPACE
     held = ContactForces(LOSSY.normal, ROUGH._replace(coefficient=1e3))
     engine = started(scene._replace(between=held), rods, largest(asked))
     for _ in range(100):

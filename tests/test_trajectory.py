@@ -41,7 +41,7 @@ def written(request, tmp_path):
     md.run(scene, periods=2, trajectory=path)
     engine = prepare(scene)
     place, director, velocity, omega = vectors(engine, md.run(scene, periods=1).rods)
-    omega += (engine.effects.rolling or 0) * np.vecdot(omega, director)[:, None] * director
+    omega += (engine.effects.inertia.rolling or 0) * np.vecdot(omega, director)[:, None] * director
     return scene, (place, director, velocity, omega), path
 
 

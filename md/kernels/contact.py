@@ -92,7 +92,7 @@ class Inertia(NamedTuple):
     """Rotational inertia of a rod: k its gyration radius, I and I_axial its moments of inertia."""
 
     lightness: float  # 1/k^2, 1/d^2
-    rolling: float | None  # I/I_axial - 1; None: no rotation of a rod about its axis
+    rolling: float | None = None  # I/I_axial - 1; None: no rotation of a rod about its axis
 
 
 class Kept(NamedTuple):

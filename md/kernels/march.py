@@ -45,7 +45,6 @@ from .state import (
     forces_at,
     forget,
     gravity_force,
-    inertia_of,
     keep,
     kept_of,
     rod_of,
@@ -174,7 +173,7 @@ def kicked(effects, rods, before, i, dt):
     """Velocity and turn of rod i half a step on; `before`: accelerations of this step."""
     rod, (gain, bend) = rod_of(effects.up, rods, i), forces_at(effects.up, before, i)
     w = along(rod.turn, dt, bend)
-    return along(rod.velocity, dt, gain), free_turn(effects.rolling, w, rod.director)
+    return along(rod.velocity, dt, gain), free_turn(effects.inertia.rolling, w, rod.director)
 
 
 @kernel
@@ -213,7 +212,7 @@ def march(effects, state, watchers, clock, steps):
     The place is the number of a rod, or of an entry of the list of pairs.
     """
     rods, before, total, ledger = state.rods, state.before, state.scratch.total, watchers.ledger
-    up, inertia, dt = effects.up, inertia_of(effects), clock.dt
+    up, inertia, dt = effects.up, effects.inertia, clock.dt
     for n in range(steps):
         now = Clock(clock.step + n, dt)
         if full(watchers.record):
@@ -343,8 +342,8 @@ def energy(effects, rods, listed, plate, dt):
         place, director = earlier(up, rods, i, dt)
         rod = rod_of(up, rods, i)
         c, w = rod.velocity, rod.turn
-        spin = turning(effects.rolling, w, director)
-        total += 0.5 * (dot(c, c) + dot(spin, w) / effects.lightness)
+        spin = turning(effects.inertia.rolling, w, director)
+        total += 0.5 * (dot(c, c) + dot(spin, w) / effects.inertia.lightness)
         total -= dot(gravity_force(effects.gravity, place), place)
         total += of_plate(effects.normal, upper, half, place, director, plate)
         total += of_walls(effects.walls, upper, half, place, director)

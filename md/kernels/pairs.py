@@ -46,7 +46,7 @@ from .neighbours import (
     outdated,
     renewed,
 )
-from .state import forces_at, forget, inertia_of, point, pull, rod_of
+from .state import forces_at, forget, point, pull, rod_of
 from .vectors import along, axial, put, times
 
 BELOW_ONE = 1.0 - 2.0**-53  # next to 1
@@ -108,17 +108,11 @@ def in_use(listed):
 
 
 @kernel
-def opened(up, listed, k, slot):
-    """Clear the kept force and spring of a contact of entry k that is open."""
-    forget(up, *in_use(listed), k, slot)
-
-
-@kernel
 def moving(effects, state, i, arm):
     """Velocity of a point of rod i half a step before, and its acceleration in the last step."""
     rod, (gain, bend) = rod_of(effects.up, state.rods, i), forces_at(effects.up, state.before, i)
-    v = point(effects, rod.velocity, rod.turn, rod.director, arm)
-    return v, point(effects, gain, bend, rod.director, arm)
+    v = point(effects.inertia, rod.velocity, rod.turn, rod.director, arm)
+    return v, point(effects.inertia, gain, bend, rod.director, arm)
 
 
 @kernel
@@ -139,7 +133,7 @@ def collect(effects, state, n, pair, near, share, slot):
 def act(effects, state, ledger, count, dt):
     """Compute the collected contacts and add their forces to rods; return 0, as none is left."""
     kept, total, batch = in_use(state.listed), state.scratch.total, state.scratch.batch
-    alike = Alike(effects.between, TWO, inertia_of(effects), effects.up, PAIR_NORMAL)
+    alike = Alike(effects.between, TWO, effects.inertia, effects.up, PAIR_NORMAL)
     acted(alike, kept, total, batch, ledger, count, dt)
     return 0
 
@@ -284,7 +278,7 @@ def crossing(up, effects, state, pair, was, n):
     near, inside, skew = between_ends(pair.axes, half)
     if not inside or near.square >= 1.0:
         if was & BETWEEN:
-            opened(effects.up, state.listed, pair.entry, CROSSING)
+            forget(up, *in_use(state.listed), pair.entry, CROSSING)
         return n, inside, near.square if inside else np.inf
     margin = half - max(abs(near.s), abs(near.t))
     clear, share = margin * margin * skew >= max(SHARED, 1.0 - near.square), 1.0
@@ -313,7 +307,7 @@ def pair_forces(between, effects, state, ledger, dt):
     ):
         return FULL_LIST, 0
     travelled, now, asleep = listed.travelled[0], listed.turn[0], listed.asleep
-    index = listed.index[now]
+    up, index, kept = effects.up, listed.index[now], in_use(listed)
     for k in range(listed.start[now, rods.shape[0]]):
         if travelled < asleep[k, PAIR]:
             continue
@@ -325,21 +319,21 @@ def pair_forces(between, effects, state, ledger, dt):
                 continue
         if n > MOST:
             n = act(effects, state, ledger, n, dt)
-        n, clear, square = crossing(effects.up, effects, state, pair, was, n)
+        n, clear, square = crossing(up, effects, state, pair, was, n)
         if square < (1 - DEEP) ** 2:
             return PAIR_TOO_DEEP, k
         touches, until = BETWEEN if square < 1.0 else 0, np.inf
         lower = upper = 1.0  # shares left to the contacts at the ends of the second rod
         if clear and was & ENDS:
             for end in range(4):
-                opened(effects.up, listed, k, end)
+                forget(up, *kept, k, end)
         for end in range(0 if clear else ends_of(effects.upper)):
             if travelled < asleep[k, end]:
                 until = min(until, asleep[k, end])
                 continue
             near = near_end(pair.axes, half, end)
             if near.square >= 1.0:
-                opened(effects.up, listed, k, end)
+                forget(up, *kept, k, end)
                 asleep[k, end] = travelled + 0.5 * CHORD * (min(near.square, 2.0) - 1.0)
                 until = min(until, asleep[k, end])
                 continue

@@ -50,7 +50,7 @@ class Effects(NamedTuple):
     """All effects on the rods, as the kernels take them; `None`: absent."""
 
     half_length: float  # d, from centre to centre of a cap, (l - 1)/2
-    lightness: float  # 1/d^2: 1/k^2, k the gyration radius
+    inertia: Inertia
     normal: Normal | None = None  # of the plate; None: no plate
     friction: Friction | None = None
     gravity: Any = None  # g; in the plane along x and z, in space a number, along z
@@ -60,7 +60,6 @@ class Effects(NamedTuple):
     between: ContactForces | None = None  # of rods with each other
     period: float | None = None  # d; of the box along x; None: open
     up: tuple = IN_PLANE  # unit vector upwards: of two numbers in the plane, of three in space
-    rolling: float | None = None  # I/I_axial - 1; None: no rotation of a rod about its axis
     walls: Walls | None = None
     shaken: bool | None = None  # True: the walls move with the plate; None: they are at rest
 
@@ -120,19 +119,13 @@ def forces_at(up, array, i):
 
 
 @kernel
-def inertia_of(effects):
-    """`Inertia` of the rods."""
-    return Inertia(effects.lightness, effects.rolling)
-
-
-@kernel
-def point(effects, velocity, turn, director, arm):
+def point(inertia, velocity, turn, director, arm):
     """Velocity of a point of a rod, at an arm from the centre.
 
     Given accelerations in place of velocity and turn, it is the acceleration of the point without
     the part by the motion of the arm.
     """
-    return along(velocity, 1.0, swing(turning(effects.rolling, turn, director), arm))
+    return along(velocity, 1.0, swing(turning(inertia.rolling, turn, director), arm))
 
 
 @kernel

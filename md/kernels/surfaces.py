@@ -27,7 +27,7 @@ from .contact import (
     turning,
 )
 from .pairs import NEARER, moving, rise
-from .state import forget, inertia_of, nothing_kept, point, pull, rod_of
+from .state import forget, nothing_kept, point, pull, rod_of
 from .vectors import (
     IN_SPACE,
     along,
@@ -82,7 +82,7 @@ def facing(effects, rod, plate, cap, kept):
     end, radius = end_at(effects.flat, effects.half_length, cap, rod.director)
     z = height(rod.place)
     arm = raised(end, plate[0] - z - height(end))
-    half = raised(point(effects, rod.velocity, rod.turn, rod.director, arm), -plate[1])
+    half = raised(point(effects.inertia, rod.velocity, rod.turn, rod.director, arm), -plate[1])
     overlap = plate[0] + radius - (z + height(end))
     if effects.upper is None and cap > 0:
         overlap = -1.0
@@ -121,9 +121,9 @@ def pressed(effects, rod, touch, plate, forces, dt):
     overlap, end, arm, half, kept, _, _ = touch
     if overlap <= 0.0:
         return touch
-    director, normal, inertia = rod.director, upward(arm), inertia_of(effects)
-    gain = point(effects, forces[0], turn_by(inertia, forces[1], director), director, arm)
-    sweep = swept(effects.rolling, rod, arm, end, plate)
+    director, normal, inertia = rod.director, upward(arm), effects.inertia
+    gain = point(inertia, forces[0], turn_by(inertia, forces[1], director), director, arm)
+    sweep = swept(inertia.rolling, rod, arm, end, plate)
     meeting = Meeting(((arm, director),), normal, overlap, half, gain, kept, sweep)
     found = contact(effects.normal, effects.friction, inertia, meeting, dt)
     return Touch(overlap, end, arm, half, found.kept, found.rate, found.lost)
@@ -170,17 +170,18 @@ def rates(effects, start, mode, y):
     rate = y[4] - y[5] * a_x
     slip = y[3] + y[5] * a_z
     force, left, rub, stretch, spare = 0.0, overlap, 0.0, 0.0, 1.0
+    light = effects.inertia.lightness
     if overlap > 0:
-        powers = powers_of(overlap, 1 / (1 + a_x * a_x * effects.lightness))
+        powers = powers_of(overlap, 1 / (1 + a_x * a_x * light))
         (_, root, _), normal = powers, effects.normal
         c = dashpot(normal, powers)
         left = overlap - c * rate / (normal.stiffness * root)
         force = max(normal.stiffness * root * left, 0.0)
         left = left if normal.plastic is None else -rate  # a plastic contact ends as it rests
-        drive = -a_x * force * effects.lightness * a_z - y[5] * y[4]
-        seen = Instant(slip, drive, 1 / (1 + a_z * a_z * effects.lightness))
+        drive = -a_x * force * light * a_z - y[5] * y[4]
+        seen = Instant(slip, drive, 1 / (1 + a_z * a_z * light))
         rub, stretch, spare = friction_of_mode(effects.friction, mode, overlap, force, y[6], seen)
-    turning = (a_z * rub - a_x * force) * effects.lightness
+    turning = (a_z * rub - a_x * force) * light
     change = (y[3], y[4], y[5], rub, force, turning, stretch, force)
     return change, (left, spare, overlap, slip)
 
@@ -257,7 +258,7 @@ def act(effects, state, ledger, climb, count, dt):
     """Compute the collected contacts and add their forces to rods; return 0, as none is left."""
     total, batch = state.scratch.total, state.scratch.batch
     kept = state.forces, state.springs
-    alike = Alike(effects.walls, ONE, inertia_of(effects), IN_SPACE, WALL_NORMAL)
+    alike = Alike(effects.walls, ONE, effects.inertia, IN_SPACE, WALL_NORMAL)
     acted(alike, kept, total, batch, ledger, count, dt)
     worked(effects.shaken, ledger, batch.numbers, climb[1] * dt, count)
     return 0

@@ -197,8 +197,8 @@ def motion_of(effects, rods, i, plane, cap, plate):
     """Velocity (c_x, c_z, omega) of rod i in the plane, and that of its end off the plate."""
     rod = rod_of(effects.up, rods, i)
     arm = times(cap * effects.half_length, rod.director)
-    rate = height(point(effects, rod.velocity, rod.turn, rod.director, arm)) - plate[1]
-    return in_plane(effects.rolling, rod.velocity, rod.turn, rod.director, plane), rate
+    rate = height(point(effects.inertia, rod.velocity, rod.turn, rod.director, arm)) - plate[1]
+    return in_plane(effects.inertia.rolling, rod.velocity, rod.turn, rod.director, plane), rate
 
 
 @kernel(inline=False)
