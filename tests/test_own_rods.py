@@ -14,7 +14,7 @@ import impact
 from figures.claims import over_tilt, own_rods
 from figures.lib import runs
 from figures.lib.data import kept_data, stored_data
-from figures.paper import fig04, fig08, fig11, fig13
+from figures.paper import fig04, fig05, fig08, fig11, fig13
 from impact import bouncing, drift
 from md.scene import SCENES
 
@@ -123,7 +123,7 @@ def annulus(path, changes):
     return str(path)
 
 
-def test_what_a_figure_of_annuli_varies_is_its_own(tmp_path):
+def test_what_a_figure_of_annuli_varies_is_its_own(tmp_path, monkeypatch):
     """Rods that roll and walls at rest are beside rods that do not, between walls that shake."""
     changes = {"shaken = true": "shaken = false", "rolling = false": "rolling = true"}
     own = fig04.sweeps(True, scene=annulus(tmp_path / "rolling.toml", changes))
@@ -131,6 +131,15 @@ def test_what_a_figure_of_annuli_varies_is_its_own(tmp_path):
         assert {point.scene.rods.rolling for point in own[name].points} == {rolls}
     for name, shakes in (("gamma", True), ("rest", False)):
         assert {point.scene.annulus.shaken for point in own[name].points} == {shakes}
+    seen = []
+
+    def gathered(sweep, *names):
+        seen.extend(point.scene for point in sweep.points)
+        return (np.ones((*sweep.shape, 4, 5)),)
+
+    monkeypatch.setattr(fig05, "gathered", gathered)
+    fig05.data(True, scene=str(tmp_path / "rolling.toml"))
+    assert {(one.rods.rolling, one.annulus.shaken) for one in seen} == {(False, True)}
 
 
 def test_annuli_of_ones_own_hold_as_many_more_rods_as_they_are_wider(tmp_path):

@@ -56,6 +56,7 @@ MAXIMA_DEG, ONSET_FIG4, REDUCTION = (18, 35), 1.5, 2.5  # the paper's
 GAMMA_COUNTS = (50, 44, 36)  # numbers of rods of (b)
 WALL_KEY, PLATE_KEY = "contacts.wall.friction", "contacts.plate.friction"
 AT_REST = {"annulus.shaken": False}
+USUAL = {"rods.rolling": False, "annulus.shaken": True}  # where neither is varied
 NARROW = {"annulus.outer": 7.3304}  # largest tilt 53 degrees, as the paper says of its annulus
 FEW = 2  # starts of all but the row without rolling
 SIZES = {  # in full, quick
@@ -97,7 +98,7 @@ def sweeps(quick: bool = False, assumed: bool = False, scene: str | None = None)
     """
     size = {name: both[quick] for name, both in SIZES.items()}
     of = annulus_of(scene)
-    base, row = put(of.tables, {"rods.rolling": False, "annulus.shaken": True}), ROW
+    base, row = put(of.tables, USUAL), ROW
     if assumed:
         base, row = SIMPLE_ANNULUS, SIMPLE_ROW
     few, periods = starts(FEW), size["periods"]

@@ -13,6 +13,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import LineCollection
 
+from md.scene import put
+
 from ..lib.arrangement import EVERY, MEASURED, MORE_DEG, in_order, tilts_deg
 from ..lib.runs import Sweeps, annulus_of, gathered, over_seeds, with_error
 from ..lib.style import (
@@ -45,7 +47,7 @@ def data(quick: bool = False, assumed: bool = False, scene: str | None = None) -
     sweep, of = fig04.sweeps(quick, assumed, scene)["still"], annulus_of(scene)
     (series,), counts = gathered(sweep, "series"), sweep.values("rods.count")
     late = series[:, :, series.shape[2] // 2 :].mean(axis=2)  # over time
-    gap, shown = of.scene.annulus, of.counts(SHOWN_COUNTS)
+    gap, shown, base = of.scene.annulus, of.counts(SHOWN_COUNTS), put(of.tables, fig04.USUAL)
     found = {
         "count": counts,
         "time": EVERY * (1 + np.arange(series.shape[2])),
@@ -56,7 +58,7 @@ def data(quick: bool = False, assumed: bool = False, scene: str | None = None) -
         "shown": np.array(shown),
     }
     for n in () if assumed else shown:
-        plan = fig04.over_count([n], 1, sweep.points[0].periods, of.tables)
+        plan = fig04.over_count([n], 1, sweep.points[0].periods, base)
         found[f"rods_{n}"] = gathered(plan, "rods")[0][0, 0]
     for i, name in enumerate(MEASURED):
         found |= with_error(name, *over_seeds(late[..., i]))
