@@ -66,6 +66,8 @@ half_interval = partial(Number, notion="half interval")
     ("expected", "numbers"),
     [
         (HOLDS, [standard(0.5, 0.049), count(0.4), standard(0.4, 0.0), half_interval(0.5, 0.09)]),
+        (HOLDS, [half_interval((0.4 + x) / 2, (x - 0.4) / 2) for x in np.linspace(0.41, 0.6, 9)]),
+        (FAILS, [half_interval((0.6 + x) / 2, (x - 0.6) / 2) for x in np.linspace(0.61, 0.9, 9)]),
         (FAILS, [standard(0.7, 0.049), count(0.39), standard(np.inf, 0.1), standard(-np.inf, 0.1)]),
         (CLOSE, [standard(0.5, 0.051), standard(0.7, 0.051), half_interval(0.5, 0.11)]),
         (CLOSE, [standard(0.4, np.nan)]),
@@ -73,7 +75,7 @@ half_interval = partial(Number, notion="half interval")
     ],
 )
 def test_verdicts(expected, numbers):
-    """Too close: two standard errors from a limit, or one error of another notion, or no error."""
+    """Too close: two standard errors from a limit, or less than one of another notion, or none."""
     for number in numbers:
         assert judge.verdict(number, LIMITS) == expected
     assert judge.verdict(Number(1e300, 0.1), {"holds": [0, np.inf]}) == HOLDS

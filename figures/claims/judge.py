@@ -53,11 +53,14 @@ def measure(claim: str, evidence: Any) -> dict[str, Number]:
 
 
 def close(number: Number, limits: Record) -> bool:
-    """Whether a limit is as near as two standard errors, or one error of another notion."""
+    """Whether a limit is as near as two standard errors, or nearer than an error of another notion.
+
+    An interval of a grid that ends at a limit lies on one side of it, however it is rounded.
+    """
     random = number.notion == "standard error"
     if random and math.isfinite(number.value) and math.isnan(number.error):
         return True  # in some draws the value is not there
-    reach = (2 if random else 1) * number.error
+    reach = (2 if random else 1 - 1e-9) * number.error
     return reach > 0 and any(abs(number.value - limit) <= reach for limit in limits["holds"])
 
 
