@@ -196,9 +196,12 @@ def test_drift_is_told_from_none():
 def test_fits_find_what_was_put_in():
     gamma = np.array([1.05, 1.1, 1.2, 1.4, 2, 3, 4, 5.0])
     c_x = np.where(gamma < 1.5, 3 * (gamma - 1) ** 1.5, 2.5 * (gamma - 1.3))
-    f = fig13.fits({"gamma": gamma, "gamma_c_x": c_x, "gamma_c_x_error": np.full(8, 1e-3)})
+    d = {"gamma": gamma, "gamma_c_x": c_x, "gamma_c_x_error": np.full(8, 1e-3)}
+    f = fig13.fits(d)
     assert f["power"] == pytest.approx(1.5, abs=1e-6)
     assert (f["line_slope"], f["line_from"]) == pytest.approx((2.5, 1.3))
+    in_mm = fig13.fits(d | {name: 10 * d[name] for name in ("gamma_c_x", "gamma_c_x_error")})
+    assert in_mm["power_error"] == pytest.approx(f["power_error"])
 
 
 # Figs. 4 and 5: the annulus

@@ -199,9 +199,8 @@ def draw(d: Data) -> plt.Figure:
 
 def _slope(x: np.ndarray, y: np.ndarray, error: np.ndarray) -> tuple[float, float, float]:
     """Slope of a line fitted by the errors, its standard error, and where it meets zero."""
-    weight = 1 / np.fmax(error, 0.01 * np.abs(y).max())
-    (slope, at), cover = np.polyfit(x, y, 1, w=weight, cov="unscaled")
-    residual = (weight * (slope * x + at - y)) ** 2
+    (slope, at), cover = np.polyfit(x, y, 1, w=1 / error, cov="unscaled")
+    residual = ((slope * x + at - y) / error) ** 2
     scale = max(residual.sum() / (len(x) - 2), 1.0)  # where the line does not fit
     return slope, np.sqrt(cover[0, 0] * scale), -at / slope
 
@@ -219,7 +218,8 @@ def fits(d: Data) -> dict[str, float]:
     if near.sum() >= 3:
         relative = np.fmax(error / np.abs(c_x), 0.02)[near]
         power, power_error, _ = _slope(np.log(gamma[near] - 1), np.log(c_x[near]), relative)
-    slope, slope_error, start = _slope(gamma[far], c_x[far], error[far])
+    certain = np.fmax(error[far], 0.01 * np.abs(c_x[far]).max())
+    slope, slope_error, start = _slope(gamma[far], c_x[far], certain)
     return {
         "power": power,
         "power_error": power_error,
