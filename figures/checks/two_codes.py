@@ -48,7 +48,7 @@ LABELS = {
 
 def other() -> tuple[np.ndarray, np.ndarray]:
     """Nominal tilts [deg], and what the other program measured: (measured, tilts, starts)."""
-    text = Path(__file__).with_suffix(".toml").read_text(encoding="utf-8")
+    text = Path(__file__).with_name("two_codes.toml").read_text(encoding="utf-8")
     rows = np.loadtxt(tomllib.loads(text)["runs"].splitlines())
     tilts = np.unique(rows[:, 0])
     return tilts, rows[:, 2:].T.reshape(len(MEASURED), len(tilts), -1)
