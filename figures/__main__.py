@@ -123,14 +123,14 @@ def draw(
         if isinstance(value, float) and not (value >= 0 if key == "friction" else isfinite(value)):
             domain = "a number >= 0" if key == "friction" else "finite"
             raise InputError(f"{key} must be {domain}, got {value:g}")
-        if data:
-            raise InputError(f"{key} has no meaning with --data, which computes nothing")
         takes = [name for name, entry in FIGURES.items() if key in entry.own]
         if not names or {*names} - {*takes}:
             raise InputError(f"{key} is for the figures {', '.join(takes)}; name them alone")
     if every and names:
         raise InputError(f"--all draws every figure and takes no names, got {names[0]}")
     if data:
+        for key in (*own, *(key for key, value in (("quick", quick), ("store", store)) if value)):
+            raise InputError(f"{key} has no meaning with --data, which computes nothing")
         for name in names:
             if not (data / f"{name}.npz").is_file():
                 raise InputError(f"--data must be a folder that holds {name}.npz, got {data}")
