@@ -9,8 +9,9 @@ from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal
 
 import md
+from derivations import function
 from figures.lib import arrangement, runs
-from figures.paper import fig02, fig04, fig08, fig10, fig11, fig12, fig13
+from figures.paper import fig02, fig04, fig06, fig08, fig10, fig11, fig12, fig13
 from impact import (
     Regime,
     classify,
@@ -166,6 +167,23 @@ def test_rows_are_shown_in_the_units_of_the_axes():
     rod = thick(np.radians(six["fine_deg"]))
     line = drift(rod, friction=0.3, restitution=0.65, plate_velocity=speed / 2)
     assert_allclose(six["line_c_x"], line.c_x, rtol=1e-12)
+
+
+@pytest.mark.parametrize(("panel", "line"), [(1, "line_c_z"), (2, "line_c_x")])
+def test_lines_of_the_theory_name_their_equations(panel, line):
+    """In slip-stick and, at large tilts, in slip reversal; (26), (29), (30) are of thin rods."""
+    six = data("fig06")
+    labels = fig06.draw(six).axes[panel].get_legend_handles_labels()[1]
+    (label,) = (label for label in labels if "V_0/2" in label)
+    half = 3.3 * 981 / (4 * np.pi * 60)
+    rod = thick(np.radians(six["fine_deg"]))._asdict()
+    known = rod | {"mu": 0.3, "epsilon": 0.65, "V_z": half}
+    forms = []
+    for tag in re.findall(r"\((\d+)\)", label):
+        form = function(tag)
+        forms.append(form(**{x: known[x] for x in form.__signature__.parameters}))
+    off = np.abs(np.array(forms) / six[line] - 1)
+    assert_allclose(off.min(axis=0), 0, atol=1e-12)
 
 
 def test_densities_of_phases_integrate_to_one():

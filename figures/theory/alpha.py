@@ -120,9 +120,9 @@ def _over_tilt(axes, d):
         b.plot([], [], ":", color=BLACK, label=rf"$X^2=\epsilon k^2$, {again:.1f}°")
 
     small(c, d, "deg", "tilt_drift", RIGID, "computed")
-    steady, label = d["steady_c_x"], r"(24), computed $\alpha$"
+    steady, label = d["steady_c_x"], r"(24), (27), computed $\alpha$"
     c.plot(deg, steady * d["tilt_alpha_impulse"], color=THEORY, lw=0.8, label=label)
-    c.plot(deg, steady / 2, "--", color=THEORY, label=r"(24), $\alpha=1/2$")
+    c.plot(deg, steady / 2, "--", color=THEORY, label=r"(24), (27), $\alpha=1/2$")
     c.set(ylabel=r"drift / $V_0$", ylim=(0, 1.45 * d["tilt_drift"].max() or 1))
     for ax in axes:
         tilt_axis(ax, 0, 75)
