@@ -278,10 +278,11 @@ def wrong_roundings(found: Mapping[str, Values]) -> Iterator[str]:
 
 def wrong_impacts(code: str) -> Iterator[str]:
     """Messages on regimes, roundings and results that the code gets wrong in any situation."""
-    seen = set()
+    seen, idle = set(), set(ACCURATE)
     with mpmath.workdps(DIGITS + 20):
         for law, at in product(LAWS, situations()):
             (_, _, _, regime, *_), path, found = on_numbers(code, law, at)
+            idle -= found.keys()
             if regime != history(at):
                 yield f"the regime is not that of the only history at {at}"
             yield from wrong_roundings(found)
@@ -289,6 +290,8 @@ def wrong_impacts(code: str) -> Iterator[str]:
             if way not in seen:
                 seen.add(way)
                 yield from _wrong_letters(code, law, at, path)
+    if idle:
+        yield f"claims on functions that have not run: {', '.join(sorted(idle))}"
 
 
 def _splitter(kind: Any) -> Any:

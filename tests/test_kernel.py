@@ -2,6 +2,7 @@
 
 import ast
 import random
+import re
 from copy import deepcopy
 from functools import cache
 from itertools import product
@@ -148,6 +149,11 @@ def test_mistakes_in_the_code_are_caught():
 
 def test_all_mistakes_but_those_that_change_nothing_are_caught():
     assert {(name, new) for name, old, new in MISTAKES if not caught(name, old, new)} == ALIKE
+
+
+def test_a_claim_on_a_function_that_never_runs_is_no_proof():
+    renamed = re.sub(r"\bbranches\b", "ways", CODE)
+    assert "branches" in next(kernel.wrong_impacts(renamed), "")
 
 
 def test_no_bound_is_broken():
