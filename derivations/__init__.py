@@ -75,21 +75,26 @@ from . import command_line  # noqa: F401  (before slow imports)
 # isort: split
 import os
 import sys
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 if sys.argv[:1] == ["-m"]:  # a command: without a limit SymPy is a tenth faster
     os.environ.setdefault("SYMPY_CACHE_SIZE", "None")
-
-# isort: split
-from . import symbols
-from .lookup import equation, function
+if TYPE_CHECKING:
+    from . import symbols
+    from .lookup import equation, function
 
 __all__ = ["equation", "function", "symbols"]
 
 
-def __getattr__(name: str) -> str:
-    """Look up the version, only when it is asked for; a checkout that is not installed has none."""
-    if name == "__version__":
+def __getattr__(name: str) -> Any:
+    """Look up what needs SymPy, or the version, only when asked: `figures` takes `command_line`."""
+    if name == "__version__":  # a checkout that is not installed has none
         from importlib.metadata import version
 
         return version("rod-impact")
+    if name == "symbols":
+        return import_module(".symbols", __name__)
+    if name in __all__:
+        return getattr(import_module(".lookup", __name__), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -1,12 +1,13 @@
 """A group of commands that end with an exit code and, where they fail, one line of standard error.
 
 The first import of each package with commands: Ctrl-C while the others go on ends a command at
-once, as nothing was begun; SIGTERM does so by itself. The same file stands in `derivations`,
-`figures` and `md`.
+once, as nothing was begun; SIGTERM does so by itself. What it defines stands in `md` as well;
+`figures` takes it from here.
 """
 
 import io
 import os
+import re
 import signal
 import sys
 from collections.abc import Callable, Sequence
@@ -16,7 +17,7 @@ from typing import Any, NoReturn
 # ["-m"]: Python imports the package of a command, this one or another that imports this one.
 if (
     sys.argv[:1] == ["-m"]
-    and f" -m {__package__} " in " ".join([*sys.orig_argv, ""])
+    and re.search(" -m (derivations|figures) ", " ".join([*sys.orig_argv, ""]))
     and signal.getsignal(signal.SIGINT) is signal.default_int_handler
 ):
     signal.signal(signal.SIGINT, signal.SIG_DFL)

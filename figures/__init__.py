@@ -13,7 +13,7 @@ paper, theory, checks, cost         rooms: one module for each of `FIGURES`, and
 lib                                 style, runs, bounces, soft and exact impacts, printing, files
 claims                              the paper's claims, the numbers behind them, the verdicts
 pages                               one page of everything, README, animation, page of sliders
-command_line, __main__              the commands
+__main__                            the commands, by `derivations.command_line`
 
 A module of a figure has `data(quick)`, which computes arrays by name, and `draw(data)`; perhaps
 `sweeps(quick)`, the runs it needs. It writes no files: `lib.drawing` keeps what `data` returns as
@@ -23,7 +23,7 @@ that is `--store`, or rows.db in `--out`.
 To add a figure: write its module in a room, and its line in figures.toml.
 """
 
-from . import command_line  # noqa: F401  (before slow imports)
+from derivations import command_line  # noqa: F401  (before slow imports)
 
 # isort: split
 import tomllib

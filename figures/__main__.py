@@ -12,10 +12,10 @@ from typing import Any
 
 import click
 
+from derivations.command_line import Commands
 from impact import InputError
 
 from . import FIGURES, check
-from .command_line import Commands
 from .lib.printing import plain, printed
 
 PRICES = "prices.txt", "prices.json", "prices.png"
