@@ -10,9 +10,10 @@ from .geometry import ContactGeometry, lengths_of, unit_lengths
 
 
 def _critical(X: Any, Z: Any, k: Any) -> Any:
-    """Critical friction |X Z|/(k^2 + Z^2); X may be larger than the other lengths by any factor."""
-    _, exponent = np.frexp(np.maximum(np.abs(Z), k))
-    return np.abs(closed.critical_friction(*(np.ldexp(x, -exponent) for x in (X, Z, k))))
+    """Critical friction |X Z|/(k^2 + Z^2); X may differ from the other lengths by any factor."""
+    (_, own), (_, others) = np.frexp(X), np.frexp(np.maximum(np.abs(Z), k))
+    near_one = np.ldexp(X, -own), np.ldexp(Z, -others), np.ldexp(k, -others)
+    return np.ldexp(np.abs(closed.critical_friction(*near_one)), own - others)
 
 
 @overload

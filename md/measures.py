@@ -1,8 +1,8 @@
 """Sums over the touches and samples of a run, period by period, and means with standard errors.
 
-A rod that leaves the plate slower than the plate rises is hit again at once. Flight lengths fall
-into two groups, below 0.1 and above 0.4 periods, so there are two kinds of mean: over every touch
-of the plate, and over touches merged into one landing where less than `HOP` lies between them. In
+A rod that leaves the plate slower than the plate rises is hit again at once, so there are two kinds
+of mean: over every touch of the plate, and over touches merged into one landing where less than
+`HOP` lies between them; of flights most are shorter than half of it, or longer than twice. In
 an annulus wedged rods are counted as well. Means of correlated series leave out the
 transient, are tested for a trend, and have standard errors.
 """
@@ -249,7 +249,7 @@ TREND = 0.743  # value of `trend` that one in a hundred long stationary series e
 UNLIKELY = 1e-3, 5e-2
 _BLOCKS = 8  # of counts, whose order tells a trend
 _ORDERED = 19  # of 28 pairs of blocks, rising less falling ones; one in 70 steady counts exceeds it
-_ROUNDING = 1e-12  # smaller standard errors are rounding
+_ROUNDING = 1e-10  # smaller errors of a sum are rounding
 
 
 def transient(periods: int) -> int:
@@ -287,13 +287,18 @@ def standard_error(series: np.ndarray) -> float:
     return error
 
 
-def trend(series: np.ndarray) -> float:
+def trend(series: np.ndarray, least: float = _ROUNDING) -> float:
     """How far a series is from a stationary one; nan below `FEWEST` values.
 
     Cramer and von Mises' statistic of its partial sums, which are a Brownian bridge if it is
     stationary, with the standard error from its second half (Heidelberger and Welch, 1983), below
     200 values from what a straight line leaves of it. Above `TREND` are 1 to 2 % of stationary
     series; of series with a memory of ten values 6 % at 320 values and up to 25 % below 200.
+
+    Parameters
+    ----------
+    series : a value a period
+    least : the standard error of its sum is at least this
     """
     n = len(series)
     if n < FEWEST:
@@ -303,7 +308,7 @@ def trend(series: np.ndarray) -> float:
         time = np.arange(len(late))
         late = late - np.polyval(np.polyfit(time, late, 1), time)
     error = standard_error(late) * sqrt(len(late) / n)
-    bridge = np.cumsum(series - np.mean(series)) / (n * max(error, _ROUNDING))
+    bridge = np.cumsum(series - np.mean(series)) / max(n * error, least)
     return float(np.mean(bridge**2))
 
 
@@ -311,15 +316,16 @@ def steady(counts: np.ndarray) -> bool:
     """Whether events come at a steady rate.
 
     They do not if their counts trend, nor if these rise or fall from block to block (Mann, 1945): a
-    rate that grows from nothing has an error as large as itself, so that `trend` misses it.
+    rate that grows from nothing has an error as large as itself, so that `trend` misses it. The
+    number of events is at least as uncertain as its square root.
 
     Parameters
     ----------
     counts : of events, a value a period
     """
-    blocks = np.array([part.sum() for part in np.array_split(counts, _BLOCKS)])
+    blocks = counts[len(counts) % _BLOCKS :].reshape(_BLOCKS, -1).sum(axis=1)  # as long as another
     order = np.triu(np.sign(blocks - blocks[:, None]), 1).sum()
-    return not (abs(order) > _ORDERED or trend(counts) > TREND)
+    return not (abs(order) > _ORDERED or trend(counts, sqrt(max(counts.sum(), 1))) > TREND)
 
 
 def settled(first: int, series: np.ndarray, events: np.ndarray) -> int | None:

@@ -50,8 +50,8 @@ def placed(
     ----------
     gap, length : as of `largest_tilt`
     count : of rods
-    tilt : to begin with, in radians, of either sign; None: the one at which a zig-zag of rods fills
-        the circle
+    tilt : to begin with, in radians, whatever its sign; None: the one at which a zig-zag of rods
+        fills the circle
     seed : of small random turns
 
     Returns

@@ -149,7 +149,8 @@ def _table(along: str, rows: np.ndarray, result: Result) -> "Dataset":
             values = [REGIMES[code] for code in values]
         found[name] = along, np.array(values, _TYPES.get(name, np.float64))
         if name == "time":
-            found["phase"] = along, phase_at(values)
+            part = column % result.steps_per_period / result.steps_per_period
+            found["phase"] = along, phase_at(part)
     return labelled(found)
 
 
@@ -204,7 +205,7 @@ class Trajectory:
         rods : (N, 7), columns as in `kernels`, or (N, 12) in an annulus
         time : periods since the start, at which the plate is at its lowest point
         height : of the plate, in d
-        rolling : as of `kernels.state.Effects`; 0: rods do not turn about their axes
+        rolling : as of `kernels.contact.Inertia`; 0: rods do not turn about their axes
 
         Lengths are in d, velocities in sqrt(g d); beside the time stand the plate's phase in rad, d
         in cm and sqrt(g d) in cm/s. Columns: species (rod); place x, y, z; 0 (no element); number;

@@ -64,7 +64,7 @@ class Accuracy:
     next_digit_seconds: float
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Result:
     """Result of a run; velocities in sqrt(g d) unless the name says cm/s.
 
@@ -75,7 +75,8 @@ class Result:
         the velocity around it at its middle radius, and tilts have no sign; in a row tilts are
         means of axes, half the angle of the sum of unit vectors at twice the tilt
     c_x_stderr, tilt_stderr_deg : their standard errors, as `measures.standard_error`; nan where
-        one run cannot tell: below 124 periods, and in an annulus, where starts differ
+        one run cannot tell: below 124 periods, and in an annulus, where starts differ; up to some
+        two hundred periods they are too small by up to a fifth
     periods : number of periods that were made
     discarded : periods of the transient, a fifth of the run
     steps_per_period, dt : the step, in sqrt(d/g)
@@ -84,7 +85,7 @@ class Result:
         None if not asked for
     touches : mean and standard error over all touches of the plate, but the first of each rod,
         which no flight comes before, of each quantity of `measures.MEANS`, and touches per rod and
-        period; None without a plate
+        period; `plate_velocity` is over the plate's peak velocity; None without a plate
     landings : the same for the quantities of `measures.OF_LANDINGS`, touches less than
         `measures.HOP` periods apart merged into one landing; of those that are not over the number
         alone is counted; None without a plate
@@ -224,13 +225,19 @@ def _drift(r: Result) -> list[str]:
             why = f"from {FEWEST * 5 // 4 - 1} {_unit(r)} on one run can tell it"
         lines.append(f"             error unknown: {why}")
     fell = f", fell {r.fell} times" if r.fell else ""
-    return [*lines, f"tilt         {_with_error(r.tilt_deg, r.tilt_stderr_deg)} degrees{fell}"]
+    lines.append(f"tilt         {_with_error(r.tilt_deg, r.tilt_stderr_deg)} degrees{fell}")
+    if r.scene.annulus is None and r.tilt_deg * r.scene.tilt < 0:
+        lines.append("warning      turned over: the rods lean to the other side than at the start")
+    return lines
 
 
 def _touches(r: Result) -> list[str]:
-    if not r.touches or r.touches["per_rod_and_period"]["mean"] <= 0:
+    if not r.touches:
         return []
     mean = {name: pair["mean"] for name, pair in r.touches.items()}
+    if not mean["per_rod_and_period"] > 0:
+        none = "warning      no touch of the plate has begun behind the transient"
+        return [none] if r.scene.vibrates else []
     return [
         f"touches      {mean['per_rod_and_period']:.3g} per rod and {_unit(r).removesuffix('s')}: "
         f"slide {mean['slide']:.0%}, slip-stick {mean['slip_stick']:.0%}, slip reversal "

@@ -13,7 +13,7 @@ from contextlib import suppress
 from copy import deepcopy
 from dataclasses import dataclass, is_dataclass
 from difflib import get_close_matches
-from math import acos, cos, degrees, hypot, inf, pi, radians, sin, sqrt
+from math import acos, cos, degrees, floor, hypot, inf, pi, radians, sin, sqrt
 from operator import attrgetter
 from pathlib import Path
 from typing import Annotated, Any, get_args
@@ -238,11 +238,11 @@ class Scene(Part):
         n, tilt = rods.count, self.tilt
         if box.length < n:
             raise InputError(f"box.length must be at least {n} for {n} rods, got {box.length:g}")
-        steepest, spacing = degrees(acos(n / box.length)), box.length / n
+        most, spacing = floor(1e4 * degrees(acos(n / box.length))) / 1e4, box.length / n
         beyond = max(spacing * abs(sin(tilt)) - (rods.length - 1), 0.0)  # along the axes
         if hypot(beyond, spacing * cos(tilt)) < 1 - 1e-12:
             raise InputError(
-                f"start.tilt_deg must be at most {steepest:.6g} for {n} rods in a box of "
+                f"start.tilt_deg must be between {-most:g} and {most:g} for {n} rods in a box of "
                 f"{box.length:g}, got {degrees(tilt):.6g}"
             )
 

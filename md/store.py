@@ -13,6 +13,7 @@ import json
 import sqlite3
 import time
 from collections.abc import Iterator
+from operator import methodcaller
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,7 @@ from .units import in_cm
 _VERSION = 2  # 1: other names of keys and columns
 _APPLICATION = 0x726F6473  # "rods"
 _WAIT = 60.0  # seconds for another writer
+_PLAIN = methodcaller("tolist")  # of numbers and arrays of NumPy
 _LAST = "code", "error", "seconds", "written"  # columns at the end of all tables
 _OF_RUN = "periods", "seed", *_LAST
 
@@ -105,7 +107,7 @@ class Store:
         """Turn errors of SQLite and JSON into a `StoreError` that says what could not be done."""
         try:
             yield
-        except (sqlite3.Error, json.JSONDecodeError, TypeError) as error:
+        except (sqlite3.Error, json.JSONDecodeError, AttributeError, TypeError) as error:
             raise StoreError(f"store {self.path} {what}: {error}") from None
 
     def __enter__(self) -> "Store":
@@ -138,15 +140,15 @@ class Store:
         result : of the run; None if it failed
         error : why it failed; None if it did not
         """
-        row = about | {
-            "key": key,
-            "scene": json.dumps(about["scene"]),
-            "result": None if result is None else json.dumps(result),
-            "error": error,
-            "written": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
-        }
-        names, places = ", ".join(row), ", :".join(row)
         with self._failing("cannot be written"), self.database:
+            row = about | {
+                "key": key,
+                "scene": json.dumps(about["scene"]),
+                "result": None if result is None else json.dumps(result, default=_PLAIN),
+                "error": error,
+                "written": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
+            }
+            names, places = ", ".join(row), ", :".join(row)
             self.database.execute(
                 f"INSERT OR REPLACE INTO runs ({names}) SELECT :{places} WHERE NOT EXISTS "
                 "(SELECT 1 FROM runs WHERE key = :key AND result IS NOT NULL)",

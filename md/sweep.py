@@ -58,7 +58,18 @@ from joblib.externals.loky.process_executor import TerminatedWorkerError
 from . import cache
 from .accuracy import checked, run, stepped
 from .cache import deferred
-from .domains import InputError, RunError, as_dict, held, in_notebook, listed, span, tabled, whole
+from .domains import (
+    InputError,
+    RunError,
+    as_dict,
+    flat,
+    held,
+    in_notebook,
+    listed,
+    span,
+    tabled,
+    whole,
+)
 from .files import warn
 from .host import step_of
 from .scene import Scene, changes_of, from_tables, put, read_tables, scene_beside
@@ -130,8 +141,8 @@ class Sweep:
     points: tuple[Point, ...]
 
     def __repr__(self) -> str:
-        grid = " x ".join(map(str, self.shape)) or "1"
-        return f"<Sweep: {grid} points over {', '.join(next(iter(a)) for a in self.axes)}>"
+        axes = (f"{n} {next(iter(axis))}" for n, axis in zip(self.shape, self.axes, strict=True))
+        return f"<Sweep: {' x '.join(axes) or '1 point'}>"
 
     def __str__(self) -> str:
         lines = [f"{key} = {values}" for axis in self.axes for key, values in axis.items()]
@@ -200,7 +211,8 @@ class Sweep:
         results, variables = self._results(store), {}
         if missing := results.count(None):
             warn(f"{missing} of {len(results)} runs are missing in {store}, or have failed")
-        for name in [*names, *map(error_of, names)]:
+        known = {name for result in results for name in flat(result or {})}
+        for name in [*names, *(error for error in map(error_of, names) if error in known)]:
             array = self._array(results, name)
             inner = [f"{name}.{i}" for i in range(array.ndim - len(dims))]
             variables[name] = (*dims, *inner), array
@@ -217,8 +229,8 @@ class Sweep:
         first = next((value for value in values if value is not None), math.nan)
         kind = str if isinstance(first, str) else float
         blank = "" if kind is str else np.full_like(first, math.nan, float)
-        flat = np.array([blank if value is None else value for value in values], kind)
-        return flat.reshape(self.shape + flat.shape[1:])
+        found = np.array([blank if value is None else value for value in values], kind)
+        return found.reshape(self.shape + found.shape[1:])
 
 
 def _values(name: str, given: object) -> list:
@@ -226,9 +238,10 @@ def _values(name: str, given: object) -> list:
     if isinstance(given, Mapping):
         tabled(name, given, ("from", "to", "count"), ("log",))
         low, high, log = span(name, given)
-        count = whole(f"{name}.count", given["count"], 1, _MOST_POINTS)
+        count = whole(f"{name}.count", given["count"], 2, _MOST_POINTS)
         spaced = (np.geomspace if log else np.linspace)(low, high, count)
-        return [int(x) if x.is_integer() else x for x in spaced.tolist()]
+        rounded = (float(f"{x:.15g}") for x in spaced.tolist())  # 20, not 20.000000000000004
+        return [int(x) if x.is_integer() else x for x in rounded]
     values = listed(given)
     if not values:
         raise InputError(f"{name} must be a list of values, not empty, or a range, got {given!r}")

@@ -113,9 +113,10 @@ def test_extreme_numbers_have_the_answer_of_large_ones():
     ]
     for values in alike:
         assert_allclose(values, values[0], rtol=1e-14, atol=1e-59)
-    steep = impact.critical_friction(np.array([(1e300, 1), (1, 1e-200), (1, 1e-200)]))
-    assert steep == pytest.approx([5e299, 5e199], rel=1e-14)
+    rods = np.array([(1e300, 1, 1e200, 1e200), (1, 1e-200, 1e-300, 0), (1, 1e-200, 1e-200, 1e-200)])
+    assert impact.critical_friction(rods) == pytest.approx([5e299, 5e199, 1e300, 0.0], rel=1e-14)
     assert impact.painleve_friction((1e-200, 1.0, 1e-200)) == pytest.approx(2e-200, rel=1e-14)
+    assert impact.painleve_friction((0.0, 1e200, 1e-200)) == np.inf
 
 
 _RNG = default_rng(6)

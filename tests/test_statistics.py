@@ -149,7 +149,11 @@ def test_a_rate_that_grows_or_dies_is_not_steady(rates, expected):
     assert steady(counts) == expected
 
 
-def test_steady_events_are_hardly_ever_taken_for_others():
-    """Of 1000 series one in 70 is, by the order of blocks, and one in 100 by the trend."""
-    counts = default_rng(2).poisson(0.5, (1000, 320))
+@pytest.mark.parametrize(("rate", "n"), [(0.5, 320), (20, 107), (0.01, 400)])
+def test_steady_events_are_hardly_ever_taken_for_others(rate, n):
+    """Of 1000 series one in 70 is, by the order of blocks, and one in 100 by the trend.
+
+    That holds for lengths that blocks do not divide, and for events too rare for each half.
+    """
+    counts = default_rng(2).poisson(rate, (1000, n))
     assert np.mean([steady(one) for one in counts]) > 0.95

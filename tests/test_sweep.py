@@ -15,8 +15,8 @@ from numpy.random import default_rng
 import md
 from md.scene import read_tables
 from md.soft_impact import RunError
-from md.store import Store, table
-from md.sweep import Point, execute, expand, load_sweep
+from md.store import Store, StoreError, table
+from md.sweep import Measure, Point, execute, expand, load_sweep
 
 from .command_line import each_signal, ended, enter, left
 
@@ -77,6 +77,8 @@ def test_axes_multiply_and_keys_of_one_axis_go_together():
         {"rods.length": [2.0, 3.0], "start.tilt_deg": [10, 20]},
         {"plate.acceleration": {"from": 1, "to": 4, "count": 3, "log": True}},
     )
+    counts = axes({"rods.count": {"from": 5, "to": 40, "count": 4, "log": True}})
+    assert [*map(str, counts.values("rods.count"))] == ["5", "10", "20", "40"]  # whole numbers
     assert sweep.shape == (2, 3)
     scenes = [point.scene for point in sweep.points]
     found = [(s.rods.length, s.start.tilt_deg, s.plate.acceleration) for s in scenes]
@@ -124,6 +126,26 @@ def test_results_come_back_with_their_coordinates(reference):
         label = key.replace(".", "_")
         assert found[label].dims == (dims[key == "start.seed"],)
         assert list(found[label].data) == values
+
+
+def plain(scene, periods):
+    """Results of one's own, as NumPy gives them, without standard errors."""
+    return {"c_x": np.float32(scene.start.seed), "places": np.arange(periods)}
+
+
+def test_a_measure_of_ones_own_is_stored(path):
+    sweep = axes({"start.seed": [1, 2]})
+    measured = replace(
+        sweep, points=tuple(replace(p, periods=3, measure=Measure(plain, "")) for p in sweep.points)
+    )
+    execute(measured, path, workers=1)
+    found = measured.to_xarray(path, "c_x", "places")
+    assert found["c_x"].data.tolist() == [1.0, 2.0]
+    assert found["places"].data.tolist() == [[0, 1, 2]] * 2
+    assert {*found} == {"c_x", "places"}
+    failing = replace(sweep.points[0], measure=Measure(lambda *_: {"c_x": print}, "other"))
+    with pytest.raises(StoreError, match="cannot be written"):
+        execute(replace(sweep, points=(failing,)), path, workers=1)
 
 
 def test_a_result_that_cannot_be_gathered_is_named(reference):

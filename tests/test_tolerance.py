@@ -174,6 +174,16 @@ def test_a_run_says_whether_its_drift_trends(slope, periods):
     assert ("not settled: drift or falls trend" in result_text(result)) == (expected is False)
 
 
+def test_a_run_says_what_became_of_its_rods():
+    """They lean to the other side, or have not touched the plate; results are told apart."""
+    result, said = md.run(row(), periods=2), ("turned over", "no touch of the plate")
+    assert not any(word in str(result) for word in said)
+    none = result.touches | {"per_rod_and_period": {"mean": 0.0, "stderr": 0.0}}
+    other = replace(result, tilt_deg=-result.tilt_deg, touches=none)
+    assert all(word in str(other) for word in said)
+    assert result not in (other, replace(result))
+
+
 def test_an_annulus_is_seen_to_settle():
     """Of the one that ships 600 periods trend behind a fifth, and not behind what is left out.
 

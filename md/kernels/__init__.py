@@ -54,7 +54,7 @@ SLOTS = 7
 CROSSING = 4  # slots of two rods: ends of the first 0-1, of the second 2-3, between their ends 4
 
 # Columns of the energy ledger, m g d; the first is the work of the plate and of shaken walls.
-# Friction stands behind the normal dashpot of the same contact (`batch.booked`).
+# Friction stands behind the normal dashpot of the same contact (`batch.acted`).
 PLATE_WORK, PLATE_NORMAL, PLATE_FRICTION, PAIR_NORMAL, PAIR_FRICTION = range(5)
 LEDGER_COLUMNS = 5
 WALL_NORMAL = 5  # and friction behind it, in an annulus alone

@@ -111,16 +111,6 @@ def fill_kept(numbers, c, kept):
 
 
 @kernel
-def fill_bodies(numbers, n, bodies):
-    """Store both bodies of contact n, or the one at a wall: arms and, in space, directors."""
-    for rod in range(len(bodies)):
-        arm, director = bodies[rod]
-        fill(numbers, ARM + 3 * rod, n, arm)
-        if len(arm) == 3:
-            fill(numbers, DIRECTOR + 3 * rod, n, director)
-
-
-@kernel
 def enter(batch, n, given, kept, up):
     """Store a contact at place n, with its forces and spring of `kept`; return the contact count.
 
@@ -129,7 +119,11 @@ def enter(batch, n, given, kept, up):
     (numbers, place), (row, slot) = batch, given.where[2:]
     put(place, np.uint64(n), 0, given.where)
     fill(numbers, GAP, n, given.gap)
-    fill_bodies(numbers, n, given.bodies)
+    for rod in range(len(given.bodies)):
+        arm, director = given.bodies[rod]
+        fill(numbers, ARM + 3 * rod, n, arm)
+        if len(arm) == 3:
+            fill(numbers, DIRECTOR + 3 * rod, n, director)
     fill(numbers, HALF, n, given.half)
     fill(numbers, GAIN, n, given.gain)
     fill(numbers, SHARE, n, (given.share,))
@@ -148,15 +142,8 @@ def bodies_of(rods, numbers, c, up):
 
 
 @kernel
-def note_losses(ledger, numbers, c, lost):
-    """Store the energies lost in contact c in this step, if there is a ledger."""
-    if ledger is not None:
-        fill(numbers, LOST, c, times(get(numbers, SHARE, c), lost))
-
-
-@kernel
 def act_on(alike, ledger, numbers, c, dt):
-    """Compute contact c and store its force, spring and losses."""
+    """Compute contact c and store its force, spring and, if there is a ledger, its losses."""
     law, rods, inertia, up, _ = alike
     gap, bodies = get_vector(numbers, GAP, c, up), bodies_of(rods, numbers, c, up)
     distance = sqrt(dot(gap, gap))
@@ -165,21 +152,11 @@ def act_on(alike, ledger, numbers, c, dt):
     kept = get_kept(numbers, c, up)
     meeting = Meeting(bodies, out, overlap, half, gain, kept, nothing(half))
     found = contact(law.normal, law.friction, inertia, meeting, dt)
-    note_losses(ledger, numbers, c, found.lost)
     fill_kept(numbers, c, found.kept)
-    push = along(spread(found.kept.rub, out), found.kept.force, out)
-    fill(numbers, FORCE, c, times(get(numbers, SHARE, c), push))
-
-
-@kernel
-def booked(ledger, numbers, column, count):
-    """Add losses of the first `count` contacts to two columns of the ledger, if there is one."""
+    push, share = along(spread(found.kept.rub, out), found.kept.force, out), get(numbers, SHARE, c)
+    fill(numbers, FORCE, c, times(share, push))
     if ledger is not None:
-        for k in range(2):
-            lost = 0.0
-            for c in range(count):
-                lost += get(numbers, LOST + k, c)
-            ledger[column + k] += lost
+        fill(numbers, LOST, c, times(share, found.lost))
 
 
 @kernel(inline=False)
@@ -199,4 +176,9 @@ def acted(alike, kept, sums, batch, ledger, count, dt):
             pull(sums, np.uint64(place[c, rod]), arm, times(sign, force))
         row, slot = np.uint64(place[c, 2]), np.uint64(place[c, 3])
         keep(forces, springs, row, slot, get_kept(numbers, c, up))
-    booked(ledger, numbers, alike.column, count)
+    if ledger is not None:
+        for k in range(2):
+            lost = 0.0
+            for c in range(count):
+                lost += get(numbers, LOST + k, c)
+            ledger[alike.column + k] += lost

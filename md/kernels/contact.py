@@ -266,20 +266,15 @@ def tangential_constants(spring, overlap, mass):
 
 
 @kernel
-def touching(overlap, rate, dt):
-    """Time since the touch, within the last step: dt, or less in the first step of a contact."""
-    return overlap / -rate if -rate * dt > overlap else dt
-
-
-@kernel
 def before_of(normal, powers, closing, free, light, last, dt):
     """`Before` of a contact with F_n = `last` a step before; the rest as of `normal_force`."""
-    since = touching(powers[0], closing, dt)
-    halved = HALVED[0] * powers[0], HALVED[1] * powers[1], HALVED[2] * powers[2]
+    overlap = powers[0]
+    since = overlap / -closing if -closing * dt > overlap else dt  # from the touch on, at most
+    halved = HALVED[0] * overlap, HALVED[1] * powers[1], HALVED[2] * powers[2]
     halfway = normal_force(normal, halved, closing, free, light, None, dt)
     if since < dt:
         return Before(halved[0], halfway, since)
-    return Before(powers[0] + closing * dt, last, since)
+    return Before(overlap + closing * dt, last, since)
 
 
 @kernel

@@ -190,13 +190,6 @@ def fastest_rod(effects, rods, before, speed, dt):
     return fastest, -1
 
 
-@kernel
-def move(effects, rods, before, i, dt):
-    """Kick and drift rod i by one step."""
-    rod, (c, w) = rod_of(effects.up, rods, i), kicked(effects, rods, before, i, dt)
-    put(rods, i, 0, (*along(rod.place, dt, c), *rotated(rod.director, w, dt), *c, *w))
-
-
 @kernel(entry=True)
 def march(effects, state, watchers, clock, steps):
     """Make up to `steps` steps of all rods; return the steps made, the stop code, and the place.
@@ -239,7 +232,8 @@ def march(effects, state, watchers, clock, steps):
         if unfit >= 0:
             return n, NOT_FINITE, unfit
         for i in range(rods.shape[0]):  # no rod moves unless all have finite speeds
-            move(effects, rods, before, i, dt)
+            rod, (c, w) = rod_of(up, rods, i), kicked(effects, rods, before, i, dt)
+            put(rods, i, 0, (*along(rod.place, dt, c), *rotated(rod.director, w, dt), *c, *w))
         if too_fast(effects.between, state.listed, fastest * dt):
             return n + 1, TOO_FAST, 0
     return steps, DONE, 0

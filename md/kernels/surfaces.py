@@ -207,19 +207,10 @@ def from_above(place, director):
 
 
 @kernel
-def beyond(seen, s):
-    """Squared distance of a point s of a rod from the axis of the annulus.
-
-    `seen`: the products of `from_above`.
-    """
-    return seen[0] + s * (2.0 * seen[1] + s * seen[2])
-
-
-@kernel
 def passes(seen, half, distance):
     """Whether a rod comes closer than `distance` to the axis of the annulus between its ends.
 
-    It is closest at s = -x.u/u.u.
+    It is closest at s = -x.u/u.u. `seen`: the products of `from_above`.
     """
     square, slope, flat = seen
     if abs(slope) >= half * flat or flat < 1e-12:
@@ -312,7 +303,8 @@ def at_wall(radius, effects, state, ledger, side, climb, n, dt):
             n = act(effects, state, ledger, climb, n, dt)
         for cap in range(1 if effects.upper is None else 2):
             s = half if cap else -half
-            if side * (beyond(seen, s) - touching**2) >= 0:
+            square = seen[0] + s * (2.0 * seen[1] + s * seen[2])  # d^2; of the end, from the axis
+            if side * (square - touching**2) >= 0:
                 forget(IN_SPACE, state.forces, state.springs, i, slot + cap)
                 continue
             rho, out = from_axis(along(place, s, director))
