@@ -1,7 +1,6 @@
 """Searches: parameters are found again within their errors, and the file of a search is read."""
 
 import json
-import warnings
 from dataclasses import replace
 from unittest.mock import Mock
 
@@ -55,16 +54,25 @@ def tables(folder, friction=TRUE["friction"], error=ERROR, **changes):
     return {"parameters": PARAMETERS, "data": data, "points": 16, "rounds": 2} | changes
 
 
-@pytest.fixture(scope="module")
-def store(tmp_path_factory):
-    return tmp_path_factory.mktemp("search") / "runs.db"
-
-
-@pytest.fixture(scope="module")
-def found(store):
+def searched(folder, base=BASE, measure=made_run, **given):
+    """The search of these `tables` in a folder, by made-up runs."""
+    asked = expand(tables(folder, **given), base, folder)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(sweep, "_of_run", made_run)
-        return search(expand(tables(store.parent), BASE, store.parent), store, workers=1)
+        patch.setattr(sweep, "_of_run", measure)
+        return search(asked, folder / "runs.db", workers=1)
+
+
+ONE = {"parameters": PARAMETERS[:1], "points": 8}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("search")
+
+
+@pytest.fixture(scope="module")
+def found(folder):
+    return searched(folder)
 
 
 def test_parameters_are_recovered_and_carried_to_what_is_predicted(found):
@@ -101,34 +109,28 @@ def test_stated_errors_are_those_of_many_data_sets(found):
 @pytest.mark.parametrize(
     ("friction", "error"), [(0.6, 0.05), (0.3, 50.0)], ids=["end of range", "no information"]
 )
-def test_the_box_around_the_best_points_cuts_nothing_off(tmp_path, monkeypatch, friction, error):
-    monkeypatch.setattr(sweep, "_of_run", made_run)
-    given = tables(tmp_path, friction, error, parameters=PARAMETERS[:1], points=8)
+def test_the_box_around_the_best_points_cuts_nothing_off(tmp_path, friction, error):
     base = put(BASE, {"contacts.plate.restitution": 0.65})
-    told = search(expand(given, base, tmp_path), tmp_path / "runs.db", workers=1).estimates
+    told = searched(tmp_path, base, friction=friction, error=error, **ONE).estimates
     value, spread = told.parameters["friction"]
     assert abs(value - friction) < 3 * spread
     assert (spread < 0.01) if error < 1 else (abs(spread - 0.5 / 12**0.5) < 0.01)
 
 
 @pytest.mark.parametrize("friction", [0.05, -0.2])
-def test_a_truth_beyond_the_range_is_at_its_end(tmp_path, monkeypatch, friction):
-    monkeypatch.setattr(sweep, "_of_run", made_run)
-    given = tables(tmp_path, friction, parameters=PARAMETERS[:1], points=8)
-    told = search_text(search(expand(given, BASE, tmp_path), tmp_path / "runs.db", workers=1))
+def test_a_truth_beyond_the_range_is_at_its_end(tmp_path, friction):
+    told = search_text(searched(tmp_path, friction=friction, **ONE))
     assert "reaches an end of its range, 0.1 to 0.6" in told
 
 
-def test_scatter_that_hides_whether_the_scene_fits_is_told(tmp_path, monkeypatch):
+def test_scatter_that_hides_whether_the_scene_fits_is_told(tmp_path):
     def rough(point):
         made = made_run(point)
         noise = default_rng(int(1e6 * point.scene.contacts.plate.friction))
         return made | {"c_x_cm_s": made["c_x_cm_s"] + noise.normal(0, 2)}
 
-    monkeypatch.setattr(sweep, "_of_run", rough)
-    given = tables(tmp_path, parameters=PARAMETERS[:1], points=16, rounds=1)
-    told = search_text(search(expand(given, BASE, tmp_path), tmp_path / "runs.db", workers=1))
-    assert "warning: no point fits the data" in told
+    told = searched(tmp_path, measure=rough, parameters=PARAMETERS[:1], rounds=1)
+    assert "warning: no point fits the data" in search_text(told)
 
 
 def test_draws_follow_a_ridge_and_leave_a_lesser_minimum():
@@ -142,17 +144,15 @@ def test_draws_follow_a_ridge_and_leave_a_lesser_minimum():
     assert np.std(_draws(misfit, 3) @ across, axis=0) == pytest.approx(widths, rel=0.2)
 
 
-def test_a_search_of_which_all_runs_fail_ends_in_one_line(monkeypatch, tmp_path):
+def test_a_search_of_which_all_runs_fail_ends_in_one_line(tmp_path):
+    """A warning beside it is an error."""
     fails = Mock(side_effect=InputError("rods.count is too large"))  # as the run alone can see
-    monkeypatch.setattr(sweep, "_of_run", fails)
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        with pytest.raises(RunError, match="no point has all results at the targets; 160 runs"):
-            search(expand(tables(tmp_path), BASE, tmp_path), tmp_path / "runs.db", workers=1)
+    with pytest.raises(RunError, match="no point has all results at the targets; 160 runs"):
+        searched(tmp_path, measure=fails)
 
 
-def test_a_search_goes_on_where_it_stopped(found, store):
-    again = search(found.search, store, workers=1)
+def test_a_search_goes_on_where_it_stopped(found, folder):
+    again = search(found.search, folder / "runs.db", workers=1)
     assert (again.tally.computed, again.tally.there) == (0, found.tally.computed)
     assert np.array_equal(again.results, found.results)
 
