@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal
 
 import md
@@ -133,16 +132,11 @@ def touches(rod, steps, flights):
     return table
 
 
-def in_order(tables):
-    """All touches, as a run tells them."""
-    rows = np.concatenate(tables)
-    return rows[np.argsort(rows[:, columns.STEP], kind="stable")]
-
-
 def test_short_hops_belong_to_the_landing_before():
     """Flights above 20 steps part landings; the last of each rod may go on."""
     one = touches(0, [50, 150, 160, 175, 400], [np.nan, 95, 5, 10, 220])
-    rows = in_order([one, touches(1, [60, 70, 300], [80, 5, 150])])
+    rows = np.concatenate([one, touches(1, [60, 70, 300], [80, 5, 150])])
+    rows = rows[rows[:, columns.STEP].argsort()]
     over, open_ = merged(rows, 20)
     landings = {
         columns.STEP: [50, 60, 150],  # as the next ones begin
@@ -157,22 +151,6 @@ def test_short_hops_belong_to_the_landing_before():
     assert_array_equal(open_[:, columns.STEP], [400, 300])
     assert len(merged(rows, 0)[0]) == 6
     assert [len(part) for part in merged(rows[:0], 20)] == [0, 0]
-
-
-@pytest.mark.parametrize("cuts", [[], [1], [3, 4], list(range(1, 60))])
-def test_how_the_touches_come_in_does_not_matter(cuts):
-    """Landings and their order are the same whatever is handed over at once."""
-    random = default_rng(2)
-    flights = [random.choice([2, 10, 30, 60], 20) for _ in range(3)]
-    rows = in_order([touches(rod, np.cumsum(5 + one), one) for rod, one in enumerate(flights)])
-    whole, rest = merged(rows, 20)
-    parts, open_ = [], rows[:0]
-    for part in np.split(rows, cuts):
-        over, open_ = merged(np.concatenate([open_, part]), 20)
-        parts.append(over)
-    assert_array_equal(np.concatenate(parts), whole)
-    assert_array_equal(open_, rest)
-    assert whole[:, -1].sum() + rest[:, -1].sum() == 60
 
 
 def test_touches_of_one_phase_are_counted_whatever_their_number():
