@@ -24,7 +24,6 @@ from .track import (
     effects,
     seen,
     stepped,
-    swinging,
     track,
 )
 
@@ -324,26 +323,3 @@ def test_m16_an_impact_that_is_too_deep_says_so():
     spin = 39.0 / ROD.half_length
     with pytest.raises(md.RunError, match=r"^rod 0: 0\.5 d deep in the plate, or"):
         md.impact(pi / 2 - 1e-6, 0.0, -40.0, spin, friction=0.0, law=md.coulomb(1.0, 1e4))
-
-
-# A contact that lasts
-
-
-@pytest.mark.parametrize("law", ["coulomb", "constant_restitution"])
-def test_a_rod_rests_on_a_vibrating_plate_below_its_gravity(law):
-    """At Gamma = 0.5 it never leaves the plate in a hundred periods, as deep as its load asks for.
-
-    F_n = 1 + 0.5 sin up to the rod's own oscillation on the contact, a thousand times faster.
-    """
-    amplitude, per, every = 0.5 / (2 * pi) ** 2, 17_000, 77
-    dt, start = 1 / per, (0.0, 0.5, pi / 2, 0.0, 2 * pi * amplitude, 0.0)
-    scene = effects(LAWS[law], 0.3, GRAVITY, swinging(amplitude, per))
-    samples = track(scene, start, dt, 1_700_000, every=every)
-    time = every * dt * np.arange(len(samples))
-    late = time > 10
-    plate = amplitude * np.sin(2 * pi * time[late])
-    overlap = 0.5 + plate - samples[late, 1]
-    load = 2 * LAWS[law].normal.stiffness * np.maximum(overlap, 0) ** 1.5
-    assert overlap.min() > 0
-    assert load == pytest.approx(1 - 0.5 * np.sin(2 * pi * time[late]), abs=0.02)
-    assert np.ptp(samples[late, 0]) < 1e-10

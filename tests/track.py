@@ -1,6 +1,6 @@
 """One rod over the plate: laws, effects, and long runs."""
 
-from math import pi, radians
+from math import radians
 
 import numpy as np
 
@@ -8,7 +8,7 @@ import md
 from md.host import at_start
 from md.kernels import DONE
 from md.kernels.march import Watchers, march
-from md.kernels.state import Clock, Motion
+from md.kernels.state import Clock
 from md.laws import contact_time, effects_of
 
 ROD = md.Rod()
@@ -32,12 +32,6 @@ def damped(normal):
 def effects(law, friction=0.0, gravity=None, plate=None, rod=ROD):
     """What acts on a rod; the plate is at rest unless it has a `Motion`."""
     return effects_of(rod, law, friction, gravity, plate)
-
-
-def swinging(amplitude, steps):
-    """Motion of a plate at amplitude sin(2 pi t), so many steps a period."""
-    angle = 2 * pi * np.arange(steps) / steps
-    return Motion(amplitude * np.sin(angle), 2 * pi * amplitude * np.cos(angle))
 
 
 def alone(acting, start):
