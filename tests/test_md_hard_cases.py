@@ -22,6 +22,7 @@ from .track import (
     alone,
     damped,
     effects,
+    impact_of,
     seen,
     stepped,
     track,
@@ -34,9 +35,8 @@ each_case = pytest.mark.parametrize("case", [SLIDE, SLIP_STICK, REVERSAL])
 
 def velocities(case, law, steps=None, offset=0.5):
     """(c_x, c_z, omega) after an impact with so many steps a contact; None: switches located."""
-    tilt, velocity = case
     how = {"integrator": "dop853"} if steps is None else {"dt": CONTACT / steps, "offset": offset}
-    return np.array(md.impact(tilt, *velocity, friction=0.4, law=law, **how)[:3])
+    return np.array(impact_of(case, law, **how)[:3])
 
 
 def impact_track(law, steps=100):
@@ -96,10 +96,9 @@ def test_m2_the_plate_never_pulls(law):
 @pytest.mark.parametrize("law", [md.coulomb(), md.constant_restitution()])
 def test_m2_the_end_of_the_force_is_the_end_of_the_contact(law):
     """The end's time is right to a step or two, and no step is made after it."""
-    tilt, velocity = SLIP_STICK
-    true = md.impact(tilt, *velocity, friction=0.4, law=law, integrator="dop853")
+    true = impact_of(SLIP_STICK, law, integrator="dop853")
     for dt in (CONTACT / 200, CONTACT / 2000):
-        hit = md.impact(tilt, *velocity, friction=0.4, law=law, dt=dt)
+        hit = impact_of(SLIP_STICK, law, dt=dt)
         assert abs(hit.contact_time - true.contact_time) <= 2 * dt
         assert hit.steps * dt <= hit.contact_time + 2 * dt
         assert hit.restitution == pytest.approx(true.restitution, abs=2 * dt / CONTACT)
@@ -208,12 +207,11 @@ def largest_at(tilt, law, friction=True, caps=1):
 
 @pytest.mark.parametrize("law", LAWS)
 def test_m6_too_large_a_step_is_refused_with_the_largest(law):
-    tilt, velocity = SLIP_STICK
-    largest = largest_at(tilt, LAWS[law])
-    how = {"friction": 0.4, "law": LAWS[law]}
-    md.impact(tilt, *velocity, dt=0.999 * largest, **how)
+    law = LAWS[law]
+    largest = largest_at(SLIP_STICK[0], law)
+    impact_of(SLIP_STICK, law, dt=0.999 * largest)
     with pytest.raises(ValueError, match=f"dt must be between .* and {largest:.3g}"):
-        md.impact(tilt, *velocity, dt=1.001 * largest, **how)
+        impact_of(SLIP_STICK, law, dt=1.001 * largest)
 
 
 def rests(law, part, tilt, friction):

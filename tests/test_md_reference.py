@@ -18,7 +18,7 @@ from md import soft_impact
 from md.kernels import FREE
 from md.kernels.contact import Friction, Instant, friction_of_mode
 
-from .track import REVERSAL, SLIDE, SLIP_STICK
+from .track import REVERSAL, SLIDE, SLIP_STICK, impact_of
 
 ROD = md.Rod()
 H, K_SQUARED = ROD.half_length, ROD.gyration_squared
@@ -124,7 +124,7 @@ def test_twelve_digits(law, case, regime):
     Steps half as long change the integration that it is compared to by less.
     """
     tilt, velocity = case
-    hit = md.impact(tilt, *velocity, friction=0.4, law=law, integrator="dop853")
+    hit = impact_of(case, law, integrator="dop853")
     assert (hit.regime, hit.steps <= 3000) == (regime, True)
     wanted, modes = SoftRod(law, 0.4, tilt).follow(velocity, STEPS)
     assert_allclose(hit[:3], wanted, rtol=0, atol=1e-12)
@@ -161,12 +161,10 @@ def test_tolerance_is_kept(law, case, regime):
 
     The errors of some forty steps add up, and a switch that moves carries them on.
     """
-    tilt, velocity = case
-    how = {"friction": 0.4, "law": law, "integrator": "dop853"}
-    best = md.impact(tilt, *velocity, **how, tolerance=1e-13)
+    best = impact_of(case, law, integrator="dop853", tolerance=1e-13)
     assert best.regime == regime
     for tolerance in (1e-11, 1e-9, 1e-7, 1e-5):
-        found = md.impact(tilt, *velocity, **how, tolerance=tolerance)
+        found = impact_of(case, law, integrator="dop853", tolerance=tolerance)
         assert_allclose(found[:3], best[:3], rtol=0, atol=100 * tolerance)
         assert found.steps < best.steps
 

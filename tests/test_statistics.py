@@ -106,20 +106,6 @@ def test_a_trend_of_a_short_series_is_seen(n):
 
 
 @pytest.mark.parametrize("memory", [0.0, 0.9])
-def test_a_transient_is_left_out(memory):
-    """Of an exponential one with a decay time of a fifth less is left than the error."""
-    n, left = 3000, []
-    error = exact_error(n // 2, memory)
-    transients = 60 * error * np.exp(-np.arange(n) / (n / 10))
-    for noise in autoregressive(default_rng(7), (100, n), memory):
-        cut = settled(n // 10, noise + transients, np.zeros(n))
-        left.append(np.nan if cut is None else transients[cut:].mean() / error)
-    assert np.isnan(left).mean() < 0.05
-    assert np.nanmax(left) < 3
-    assert np.nanmean(left) < 1.5
-
-
-@pytest.mark.parametrize("memory", [0.0, 0.9])
 def test_a_slow_trend_never_settles(memory):
     """A straight line, over the series 60 times its standard error."""
     n = 2000

@@ -24,6 +24,12 @@ REVERSAL = radians(40), (0.5, -1.0, 0.0)
 CONTACT = contact_time(md.coulomb(), 1.0)
 
 
+def impact_of(case, law, **how):
+    """One soft impact of the paper's rod at this tilt and these velocities, with friction 0.4."""
+    tilt, velocity = case
+    return md.impact(tilt, *velocity, friction=0.4, law=law, **how)
+
+
 def damped(normal):
     """The same normal force with a dashpot, of zero if there is none: laws share a kernel."""
     return normal._replace(quarter=normal.quarter or 0.0)
