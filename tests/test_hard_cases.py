@@ -1,8 +1,7 @@
-"""Where a straightforward implementation breaks (T1-T15 and more), and that ours does not.
+"""Where a straightforward implementation breaks (T1-T14 and more), and that ours does not.
 
 A case is a function of an implementation (a module with `collide`, `critical_tilts`, `drift`).
-Every case passes on `impact` and, but for t17, is seen to fail on the straightforward formulas
-beside it: of that case Newton's law is not the hard one.
+Every case passes on `impact` and is seen to fail on the straightforward formulas beside it.
 """
 
 import mpmath
@@ -13,7 +12,7 @@ from numpy.random import default_rng
 from numpy.testing import assert_array_equal
 
 import impact
-from impact import ContactGeometry, Regime
+from impact import Regime
 
 from . import sampling, straightforward
 from .sampling import EPS, LAWS, every, ulps
@@ -142,14 +141,6 @@ def t9_drift_that_loses_nothing(theirs):
         assert tilt != 0 or found.c_z == np.inf
 
 
-def t10_energy(theirs):
-    """Newton's law gains up to B^2/(2 A D) of v_0^2 while sticking; the others nothing."""
-    sticking = every(tilt=np.pi / 4, c_x=0.6, friction=1.0, restitution=1.0)
-    gained, *kept = (sticking.collide(law, theirs.collide).energy_change for law in LAWS)
-    assert gained == pytest.approx(0.1125, rel=8 * EPS)
-    assert max(kept) <= 4 * EPS
-
-
 def t11_scales(theirs):
     """Lengths and speeds of 1e-300 ... 1e300 give the answer of unit scale."""
     for scale in (1e-300, 1e-155, 1e155, 1e300):
@@ -206,47 +197,9 @@ def t14_long_levers(theirs):
     assert_accurate(theirs, impacts, 8 + 2 * A * C / (A * C - B * B))
 
 
-def t15_edges_inside_arrays(theirs):
-    """The branch not taken divides by zero; nobody hears of it."""
-    edges = PLAIN | {"X": SIDES, "friction": [0.0, 0.5, 2.5, np.inf], "restitution": 0.25}
-    with np.errstate(all="raise"):
-        hit = every(**edges, c_x=SIDES).collide(collide=theirs.collide)
-    assert np.isfinite(hit).all()
-
-
 def t16_nothing_moves_nothing_holds(theirs):
     """No slip, no friction, no lever: nothing to divide by, and the contact simply stays."""
     assert_digits(theirs, every(c_x=0.0, tilt=0.0, friction=0.0), "P_x", "P_z", limit=4)
-
-
-def t17_friction_that_hardly_stops_the_slip(theirs):
-    """T -> 0: the slip stops after an impulse that is a quotient of vanishing numbers."""
-    edge = impact.critical_friction(impact.thin_rod(-0.6))
-    for step in 10.0 ** np.arange(-15, -1):
-        late = every(
-            tilt=-0.6,
-            c_z=[-1.0, -3.0, -0.3 / step, -0.5 / step],
-            friction=edge * (1 + step),
-            restitution=0.7,
-        )
-        assert_accurate(theirs, late)
-
-
-def t18_rounding_at_the_edge_of_a_slide(theirs):
-    """Just beyond u_* = 0 the impulse stays positive, just inside the slip keeps its sense."""
-    rng = default_rng(33)
-    n = 20_000
-    X, Z, k = rng.uniform(0.1, 2, (3, n))
-    restitution, friction = rng.uniform(0, 1, n), 10 ** rng.uniform(-2, 18, n)
-    N, T = k**2 + X**2 + friction * X * Z, friction * (k**2 + Z**2) + X * Z
-    c_x = (1 + restitution) * T / N * (1 + rng.integers(-4, 5, n) * EPS)  # u_* = 0 for c_z = -1
-    rods = ContactGeometry(X, Z, k)
-    hit = theirs.collide(c_x, -1.0, geometry=rods, friction=friction, restitution=restitution)
-    slides = hit.regime == Regime.SLIDE
-    assert 0.2 < slides.mean() < 0.8
-    assert (hit.slip_velocity[slides] >= 0).all()
-    assert (hit.P_z > 0).all()
-    assert (hit.P_z >= 0.99 * k**2 * c_x / T).all()
 
 
 def t19_infinite_friction(theirs):
@@ -277,6 +230,5 @@ CASES = [value for name, value in list(globals().items()) if name[0] == "t" and 
 def test_hard_case(case):
     """Ours passes, the straightforward formulas do not."""
     case(impact)
-    if case is not t17_friction_that_hardly_stops_the_slip:
-        with np.errstate(all="ignore"), pytest.raises((AssertionError, FloatingPointError)):
-            case(straightforward)
+    with np.errstate(all="ignore"), pytest.raises(AssertionError):
+        case(straightforward)

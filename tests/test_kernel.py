@@ -160,19 +160,6 @@ def test_no_bound_is_broken():
     assert list(out_of_bounds(CODE)) == []
 
 
-def test_friction_without_end_is_its_limit():
-    """Another constant in its place gives the same impacts, for all sizes of the domain."""
-    u, v, _, _, X, Z, k, _, epsilon = on_edges()
-    for size in (1e-15, 1, 1e15):
-        given = u, v, 0.0, 0.0, X * size, Z * size, k * size, np.inf, epsilon
-        found = []
-        for one in ({}, {"HUGE_FRICTION": 2.0**480}):
-            space = kernel.loaded(CODE, PRIMITIVES | one)
-            after = np.broadcast_arrays(*space["impact"](space["newton"], given))
-            found.append(np.delete(after, 5, 0))  # all but P_z, where it is none in the limit
-        assert np.array_equal(*found)
-
-
 def test_the_situations_go_every_way():
     """They have all regimes, early and late stops, both sides, the Painleve region, no slip."""
     ways = set()
