@@ -66,7 +66,7 @@ from .rows import (
     vectors,
 )
 from .sampling import EPS, power
-from .track import CONTACT, LAWS, damped
+from .track import CONTACT, LAWS, damped, effects, track
 
 LOSSLESS = {"normal": ELASTIC, "friction": SMOOTH}
 
@@ -161,6 +161,18 @@ def test_rods_start_apart_and_with_no_momentum(scene):
     along = around(before, velocity) if scene.annulus else velocity[:, 0]
     assert np.abs(along).max() > 0.1
     assert abs(along.mean()) < EPS
+
+
+def test_m15_horizontal_momentum_where_nothing_acts():
+    """Horizontal velocity without friction stays, to 1e-12, however many impacts there are."""
+    dt, steps = 4e-5, 1_000_000
+    scene = effects(md.coulomb(), 0.0, (0.0, -1.0))
+    start = 0.0, 5.0, 0.1, 0.3, 0.0, 0.0
+    samples = track(scene, start, dt, steps, every=1000)
+    assert np.abs(samples[:, 5]).max() > 0.1  # it was hit
+    assert np.abs(samples[:, 3] - 0.3).max() <= 1e-12
+    flown = samples[-1, 0] - samples[0, 0]
+    assert flown == pytest.approx(0.3 * dt * steps, rel=1e-10)  # the sum of a million parts
 
 
 def test_a_free_top_precesses_as_it_should():
