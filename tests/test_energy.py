@@ -363,11 +363,6 @@ def test_m15_energy_ledger_closes_to_second_order(law, friction):
 # The ledger of runs
 
 
-def turnover(energy):
-    """All the energy that went in, out and over."""
-    return sum(abs(value) for kind, value in energy.items() if kind != "residual")
-
-
 THROWN = "plate.acceleration=5", "start.speed=0.5", "step.coarse=true"
 
 
@@ -381,43 +376,20 @@ THROWN = "plate.acceleration=5", "start.speed=0.5", "step.coarse=true"
     ids=["row", "shaken walls", "rolling"],
 )
 def test_m15_the_ledger_closes_as_the_step_shrinks(scene, periods, steps, most):
-    """The residual over the turnover falls in second order.
+    """The residual over all the energy that went in, out and over falls in second order.
 
     Losses go with the velocities of their step. The runs part ways at contacts, which scatters
     single halvings; over all of them the order holds to a quarter.
     """
-    runs = [md.run(scene(f"step.size={step}"), periods=periods).energy for step in steps]
-    found = [abs(energy["residual"]) / turnover(energy) for energy in runs]
-    lost = {kind: value for kind, value in runs[-1].items() if kind not in ("change", "residual")}
-    assert min(lost.values()) > 1e-3
+    found = []
+    for step in steps:
+        energy = md.run(scene(f"step.size={step}"), periods=periods).energy
+        residual = abs(energy.pop("residual"))
+        found.append(residual / np.abs([*energy.values()]).sum())
+    del energy["change"]
+    assert min(energy.values()) > 1e-3  # what was put in, and what was lost
     assert power(steps, found) > 1.75
     assert found[0] < most
-
-
-@pytest.mark.parametrize(
-    "changes",
-    [
-        ["plate.acceleration=10"],
-        ["box.length=57.4", "step.size=7e-4"],  # 85 degrees
-        ["box.length=5"],  # upright
-        ["rods.count=2", "box.length=2.2"],
-        ["rods.length=1"],
-        ["rods.length=40", "rods.count=3", "box.length=3.2"],
-        ["contacts.plate.friction=5", "contacts.rods.friction=5"],
-    ],
-    ids=" ".join,
-)
-def test_extremes_run_and_account_for_their_energy(changes):
-    """The series is finite, and the energy accounts for itself to 2e-3 of its turnover.
-
-    The ledger is of second order in the step, a 24th of a contact: 24^-2 = 1.7e-3. Rods that nearly
-    lie, with both caps in touch, take half of it.
-    """
-    result = md.run(row(*changes), periods=2)
-    assert np.isfinite(result.c_x_series).all()
-    part = 2e-3 * turnover(result.energy)
-    assert abs(result.energy["residual"]) <= part + 1e-9
-    assert min(result.energy["plate_normal"], result.energy["rods_normal"]) >= -part
 
 
 # Closed forms

@@ -112,13 +112,6 @@ def test_m8_what_is_too_deep_or_too_fast_is_named(columns, to, words):
         assert_array_equal(error.value.state, before)
 
 
-def test_m8_two_rods_in_one_place_are_named():
-    engine = prepare(ring())
-    engine.rods[3, :VELOCITY] = engine.rods[1, :VELOCITY] + 1e-3
-    with pytest.raises(md.RunError, match=r"rods 1 and 3: more than 0.5 d deep in each other"):
-        go(engine, 10)
-
-
 # M10: walls
 
 INNER, OUTER = 5.0, 40.0  # radii of walls
