@@ -52,29 +52,16 @@ def test_an_odd_ring_starts_tilted_as_an_even_one():
 # Runs
 
 
-def axial(rods):
-    """Largest part of the spin vectors along the rods."""
-    return np.abs((rods[:, DIRECTOR:VELOCITY] * rods[:, TURN:]).sum(axis=1)).max()
-
-
 def test_m10_rods_bounce_and_keep_to_a_gap_barely_wider_than_they_are():
     """Rods stay upright, and none turns about its axis."""
     narrow = "annulus.outer=2.9901", "annulus.inner=1.99", "rods.count=4", "plate.acceleration=4"
     result = md.run(ring(*narrow), periods=5)
-    rods = result.rods
+    rods, directors = result.rods, result.rods[:, DIRECTOR:VELOCITY]
     assert result.touches["per_rod_and_period"]["mean"] > 0.1
     assert np.abs(radii(rods, 1.5) - 2.49).max() < 0.02
     assert result.tilt_deg < 10
-    assert_allclose(np.linalg.norm(rods[:, DIRECTOR:VELOCITY], axis=1), 1, atol=1e-12)
-    assert axial(rods) < 1e-12
-
-
-def test_rods_that_may_roll_and_rub_on_walls_turn_about_their_axes():
-    wide = md.run(ring(*ROLLING, "plate.acceleration=5"), periods=6)
-    assert axial(wide.rods) > 1e-6
-    gap, rho = wide.scene.annulus, radii(wide.rods, 1.5)
-    assert rho.min() > gap.inner + 0.5 - 0.05
-    assert rho.max() < gap.outer - 0.5 + 0.05
+    assert_allclose(np.linalg.norm(directors, axis=1), 1, atol=1e-12)
+    assert np.abs((directors * rods[:, TURN:]).sum(axis=1)).max() < 1e-12
 
 
 def test_a_cap_that_friction_holds_does_not_slip_as_its_rod_rolls():
