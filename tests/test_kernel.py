@@ -160,20 +160,6 @@ def test_no_bound_is_broken():
     assert list(out_of_bounds(CODE)) == []
 
 
-def test_the_situations_go_every_way():
-    """They have all regimes, early and late stops, both sides, the Painleve region, no slip."""
-    ways = set()
-    with mpmath.workdps(60):
-        for at in trials.situations():
-            (_, _, _, regime, *_), _, found = kernel.on_numbers(CODE, "poisson", at)
-            early = regime > kernel.SLIDE and found["after_stop"]["v_1"] < 0
-            lifted = found["responses"]["N"] < 0
-            ways.add((regime, early, lifted, at[trials.SIDE]))
-    stops = product((kernel.STICK, kernel.BACK), (True, False), [False], (1, -1))
-    assert ways >= {*stops, (0, False, False, 1), (kernel.SLIDE, False, False, -1)}
-    assert ways >= {(kernel.STICK, True, True, side) for side in (1, -1)}
-
-
 def test_claimed_roundings_hold_where_levers_are_long():
     """They hold where P_z loses 43,800 times its last digit: what cancels there is larger."""
     rows = [[7, 5.3, 0.1, 57, 0, 1, 1.3203025]]
