@@ -15,7 +15,7 @@ import pytest
 import figures
 import md
 
-from .command_line import COMMANDS, enter, python, refused
+from .command_line import COMMANDS, enter, python
 
 GROUPS = {name: importlib.import_module(f"{name}.__main__").main for name in COMMANDS}
 # Each command by its words, as "md run", with its group as "md".
@@ -72,12 +72,6 @@ def test_cheap_examples_run(beginning, here):
     assert cheap
     for words in cheap:
         assert enter(*words).err == ""
-
-
-@pytest.mark.parametrize("name", ALL)
-def test_bad_usage_begins_with_the_command(name):
-    """An unknown option costs one line and exit code 2."""
-    refused(f"python -m {name}: No such", name, "--nonsense")
 
 
 DONE = {  # a command, and the function that does its work

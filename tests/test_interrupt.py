@@ -223,12 +223,6 @@ def test_a_signal_that_a_late_import_would_lose_ends_the_command(tmp_path):
     assert (done.returncode, done.stderr.count("\n")) == (130, 1)
 
 
-@each_signal
-def test_commands_end_with_130_and_one_line(number, monkeypatch, capsys):
-    assert exit_code(monkeypatch, lambda: signal.raise_signal(number)) == 130
-    assert capsys.readouterr().err == "it work: interrupted: what was finished is kept\n"
-
-
 def test_standard_output_that_is_closed_costs_one_line(monkeypatch, capsys):
     """Nothing is begun that could not be told: Python has no standard output then."""
     monkeypatch.setattr(sys, "stdout", None)
