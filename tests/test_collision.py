@@ -5,11 +5,10 @@ import pytest
 from numpy.random import default_rng
 from numpy.testing import assert_array_equal
 
-import impact
 from impact import Regime
 
 from . import sampling
-from .sampling import EPS, LAWS, each_law
+from .sampling import EPS, each_law
 
 
 @pytest.fixture(params=[sampling.wide, sampling.simple])
@@ -56,12 +55,3 @@ def test_units_of_length_and_time_do_not_matter(impacts, law):
     other = impacts._replace(**scaled).collide(law)
     for name, wanted in hit.items():
         assert_array_equal(getattr(other, name), wanted)
-
-
-def test_the_laws_agree_about_the_regime_and_about_a_slide(impacts):
-    regime = impacts.collide(collide=lambda *a, law, **how: impact.classify(*a, **how))
-    slide, P_z = regime == Regime.SLIDE, impacts.collide().P_z
-    assert regime.dtype == np.int8
-    for hit in map(impacts.collide, LAWS):
-        assert_array_equal(hit.regime, regime)
-        assert_array_equal(hit.P_z[slide], P_z[slide])
