@@ -63,25 +63,22 @@ def test_no_landing_is_missed(number):
     assert worst < 16 * EPS  # a few roundings of the plain formula's terms
 
 
-@mpmath.workdps(60)
-def _exact_landing(speed, phase, gamma, guess):
-    """When the gap of these numbers, taken exactly, is zero; not at the take-off."""
-    speed, phase, gamma = map(mpmath.mpf, (speed, phase, gamma))
-    rise = speed + gamma * mpmath.cos(phase)
-
-    def gap(t):
-        return rise * t - t * t / 2 + gamma * (mpmath.sin(phase) - mpmath.sin(phase + t))
-
-    return mpmath.findroot(lambda t: gap(t) / t, guess)
-
-
 @pytest.mark.parametrize("speed", [1e-2, 1e-5, 1e-8, 1e-12])
 @pytest.mark.parametrize("phase", [3.3, 4.7, 6.1])
 def test_small_hop_is_not_the_take_off(speed, phase):
     """The hop 2 r/|h''(0)| is right to its last digits where the plain gap is rounding alone."""
     gamma = 2.5
     t, v = landing(departure(speed, phase, gamma), phase, gamma)
-    exact = _exact_landing(speed, phase, gamma, -2 * speed / (gamma * sin(phase) - 1))
+    guess = -2 * speed / (gamma * sin(phase) - 1)
+    with mpmath.workdps(60):
+        start = mpmath.mpf(phase)
+        rise, height = speed + gamma * mpmath.cos(start), gamma * mpmath.sin(start)
+
+        def rest(t):
+            """The gap over t, which is not zero at the take-off."""
+            return rise - t / 2 + (height - gamma * mpmath.sin(start + t)) / t
+
+        exact = mpmath.findroot(rest, guess)
     # h''(0) = gamma sin(theta) - 1 and its slope are the data; two roundings of size (1 + gamma)
     assert abs(t - exact) < 4 * EPS * (1 + gamma) * exact
     assert v == pytest.approx(-speed, rel=6 * speed + 1e-14)
