@@ -1,5 +1,6 @@
 """What many rods must not do: pass through things, explode, lose the phase, go on as nan."""
 
+from contextlib import nullcontext
 from dataclasses import replace
 from math import pi
 
@@ -13,6 +14,7 @@ import md
 from md import kernels
 from md.host import plate_motion, prepare
 from md.kernels import (
+    C_Z,
     DEEP,
     DIRECTOR,
     PLACE,
@@ -68,6 +70,14 @@ def test_m8_rods_that_pass_into_one_another_are_stopped(name):
         go(engine, 200)
     assert engine.step <= 20
     assert np.isfinite(caught.value.state).all()
+
+
+def test_m8_no_rod_may_move_by_more_than_half_the_deepest_overlap_in_a_step():
+    for part in (0.99, 1.01):
+        engine = started(ELASTIC_PLANE, in_plane((0, 0, 0), (20, 0, 0)), 1e-3)
+        engine.rods[1, C_Z] = part * 0.5 * DEEP / engine.dt
+        with nullcontext() if part < 1 else pytest.raises(md.RunError, match="rod 1: moved more"):
+            go(engine, 1)
 
 
 @pytest.mark.parametrize("seed", range(4))
