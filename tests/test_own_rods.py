@@ -82,7 +82,11 @@ def test_the_papers_statements_are_judged_for_ones_own_rods(mine, tmp_path):
     assert "mine: 5 rods, l=5 d" in rods
     assert says.startswith("S2  In the plane row the tilt follows from the length of the box")
     assert re.match(r"    [+~-] [a-z ]+: tilt less acos.+, rms: .+ deg, asked ≤ 1\.5", line)
-    rows = json.loads((out / "claims-mine.json").read_text())["statements"]
+    report = json.loads((out / "claims-mine.json").read_text())
+    rows = report["statements"]
+    assert ("warning: the tilt" in printed) == (report["tilt_off_deg"] > 2)
+    for off, warned in ((2.0, False), (2.1, True), (np.nan, True)):
+        assert ("warning: the tilt" in own_rods.brief(report | {"tilt_off_deg": off})) == warned
     values = {f"{row['id']}.{row['key']}": row["value"] for row in rows}
     assert {"S2.rms", "S3.forward", "S16.distance", "S22.pushed"} <= values.keys()
     with pytest.MonkeyPatch.context() as patch:

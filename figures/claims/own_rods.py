@@ -15,6 +15,7 @@ from md.cache import digest
 from ..lib.runs import lacking, row_of, tilt_plan, tilts
 from ..pages.everything import in_words, run_seconds
 from . import over_tilt
+from .any_rods import KEPT_DEG
 from .judge import MARKS, judged_number, limits_shown, shown
 from .limits import VERDICTS, Record
 from .uncertainty import resampled
@@ -55,6 +56,7 @@ def judged(scene: str, quick: bool = False) -> Record:
     return {
         "provenance": {"scene": scene, "quick": quick, "md": digest()},
         "rods": row.words,
+        "tilt_off_deg": float(over_tilt.NUMBERS["S2.largest"](table)),
         "statements": rows,
     }
 
@@ -63,6 +65,11 @@ def brief(report: Record) -> str:
     """What the paper says, below it a line a statement; how many have each verdict."""
     rods = report["rods"].replace("$", "").replace("\\,", " ").replace("\\", "")
     said, lines = "", [f"{rods}. The paper says:"]
+    if not (off := report["tilt_off_deg"]) <= KEPT_DEG:
+        lines.append(
+            f"warning: the tilt, over all starts, is up to {off:.1f} degrees off acos(d N/L): rods "
+            "that turn over, say, are no row as the paper has it, and what is judged means little"
+        )
     for row in report["statements"]:
         if row["says"] != said:
             said = row["says"]
