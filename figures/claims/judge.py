@@ -95,7 +95,7 @@ def _judged(claim: Record, evidence: Any) -> Record:
     return {**claim, "numbers": rows, "trouble": trouble}
 
 
-def judge(quick: bool = False, out: Path | None = None) -> Record:
+def judge(quick: bool, out: Path | None = None) -> Record:
     """Judge all claims: what was measured, the verdicts, and where they come from.
 
     Runs what it needs, for minutes, as far as the store and the figures in `out` do not hold it.

@@ -50,13 +50,13 @@ def _shape(d: dict, name: str, key: str) -> Number:
 
 @measures("S4", "fig04")
 def drift_over_tilt(d):
-    more = {"narrow": ("narrow", "end"), "rest_dip": ("rest", "dip"), "rest_late": ("rest", "late")}
-    return {
-        **{
-            key: _shape(d, "still", key) for key in ("bend", "slope", "early", "late", "dip", "end")
-        },
-        **{key: _shape(d, *of) for key, of in more.items() if f"{of[0]}_c_x" in d},
+    keys = "bend", "slope", "early", "late", "dip", "end"
+    wanted = {key: ("still", key) for key in keys} | {
+        "narrow": ("narrow", "end"),
+        "rest_dip": ("rest", "dip"),
+        "rest_late": ("rest", "late"),
     }
+    return {key: _shape(d, *of) for key, of in wanted.items() if f"{of[0]}_c_x" in d}
 
 
 def begins(d: dict, name: str) -> Numbers:

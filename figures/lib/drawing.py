@@ -119,9 +119,9 @@ def draw_all(
     out: Path,
     quick: bool,
     jobs: int,
-    kept: Path | None = None,
-    numbers: bool = False,
-    own: Own = NOTHING,
+    kept: Path | None,
+    numbers: bool,
+    own: Own,
 ) -> dict[str, int]:
     """Draw figures and say so; returns the names of those that failed, and their exit codes.
 

@@ -5,6 +5,7 @@ plate at rest, no gravity. Theory and simulation have the same arms and the same
 velocities are in units of |c_z|.
 """
 
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -64,10 +65,7 @@ def simulate(
     The step is the default one, at most a hundredth of the contact time, over `refine`; with
     "dop853" every switch is located instead. `scene`: rod or friction, if they are others.
     """
-
-    def hit(phi: float, **how: float) -> md.Impact:
-        return one_impact(phi, law, integrator=integrator, **scene, **how)
-
+    hit = partial(one_impact, law=law, integrator=integrator, **scene)
     if integrator == "dop853":
         hits = [hit(phi, tolerance=1e-12) for phi in tilt]
     else:
