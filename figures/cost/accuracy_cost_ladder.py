@@ -10,6 +10,8 @@ trusted answer, long runs of many starts of the same law with a fine step, linea
 deviation the symbol is open. The time at the right is that of one start.
 """
 
+from functools import partial
+
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
@@ -37,7 +39,7 @@ from ..lib.runs import (
     starts,
 )
 from ..lib.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, RIGID, THEORY, Data, note, style
-from ..lib.timing import measured_here, medians, repeated, seconds_per_period
+from ..lib.timing import measured_here, medians, seconds_per_period
 
 PRINTED = both(law="appendix_a", restitution="none")
 CONSTRAINT = {"contacts.plate.law": "coulomb"}
@@ -98,8 +100,8 @@ def sweeps(quick: bool = False) -> Sweeps:
 def _closed(speed: float, calls: int) -> tuple[float, ...]:
     """Closed form with the assumed V_z, and the seconds of each of `calls` in one array."""
     rod = paper_rod(np.full(calls, BOX_TILT) if calls > 1 else BOX_TILT)
-    call = repeated(lambda: drift(rod, **SETTING, plate_velocity=speed / 2))
-    return np.ravel(call(1).c_x)[0], 0.0, 0.0, medians([call], 21)[0] / calls
+    call = partial(drift, rod, **SETTING, plate_velocity=speed / 2)
+    return np.ravel(call().c_x)[0], 0.0, 0.0, medians([call], 21)[0] / calls
 
 
 def _bouncing(landings: int, speed: float) -> tuple[float, ...]:
@@ -107,8 +109,9 @@ def _bouncing(landings: int, speed: float) -> tuple[float, ...]:
     from impact.bouncing import bounce  # compiles
 
     rods = 10 if landings < 1000 else 50
-    call = repeated(
-        lambda: bounce(
+
+    def call():
+        return bounce(
             paper_rod(BOX_TILT),
             gamma=GAMMA,
             **SETTING,
@@ -117,8 +120,8 @@ def _bouncing(landings: int, speed: float) -> tuple[float, ...]:
             transient=20,
             shortest_flight=0.1,
         )
-    )
-    found = call(1).drift
+
+    found = call().drift
     return speed * found.mean, *[speed * found.error] * 2, medians([call], 1)[0]
 
 

@@ -12,7 +12,7 @@ from impact import collide
 
 from ..lib.exact_impacts import FIELDS, Impacts, literal, random_impacts, reference
 from ..lib.style import BLACK, BLUE, GUIDE, RED, Data, log_log, note, style
-from ..lib.timing import machine_line, measured_here, medians, repeated
+from ..lib.timing import machine_line, measured_here, medians
 
 TIMED_RUNS = 7
 WAYS = (  # label, colour, marker
@@ -44,7 +44,7 @@ def data(quick: bool = False) -> Data:
     source = np.zeros(bytes_moved * n // 2 + 1, np.uint8)  # a copy reads it and writes as much
     target = np.empty_like(source)
     calls.append(lambda: np.copyto(target, source))
-    *seconds, copy = medians([repeated(call) for call in calls], TIMED_RUNS)
+    *seconds, copy = medians(calls, TIMED_RUNS)
     return {
         "seconds": np.array(seconds) / n,
         "error": np.array(errors).T,

@@ -12,7 +12,7 @@ from impact import collide, compiled
 from .. import FIGURES, load
 from ..lib import exact_impacts
 from ..lib.style import RESTITUTION_LAWS, name_panels, note, style
-from ..lib.timing import machine_line, medians, repeated
+from ..lib.timing import machine_line, medians
 from . import accuracy_cost_drift, accuracy_cost_ladder, effect_prices
 
 PRICE_PANELS = {name: entry.panel for name, entry in FIGURES.items() if entry.panel}
@@ -42,7 +42,7 @@ def impact_times(n: int) -> dict[str, float]:
     """Median ns of an impact under each law, by NumPy and compiled, over n random impacts."""
     impacts = exact_impacts.random_impacts(n)
     calls = {
-        f"{way} {law}": repeated(partial(impacts.collide, function, law))
+        f"{way} {law}": partial(impacts.collide, function, law)
         for way, function in {"numpy": collide, "compiled": compiled.collide}.items()
         for law in RESTITUTION_LAWS
     }

@@ -31,7 +31,6 @@ MEDIAN_ERROR = 1.2533 / 1.349  # of the median of n normal values: this times th
 
 
 Sampler = Callable[[], float]  # makes one sample and returns its time
-Repeater = Callable[[int], Any]  # does its work as many times as its argument says
 
 
 class Estimate(NamedTuple):
@@ -63,32 +62,21 @@ def in_turn(calls: Sequence[Sampler], rounds: int, seed: int = 0) -> np.ndarray:
     return samples
 
 
-def medians(calls: Sequence[Repeater], runs: int) -> np.ndarray:
+def medians(calls: Sequence[Callable[[], Any]], runs: int) -> np.ndarray:
     """Median seconds of each of several calls, taken in turn, after two that do not count.
 
     Parameters
     ----------
-    calls : each repeats its work as often as asked
+    calls : each is repeated in a sample, so often that this takes long enough
     runs : samples of each
     """
 
-    def sampler(call: Repeater) -> Sampler:
-        call(1)  # compiles
-        often = max(1, round(LONG_ENOUGH / timeit(lambda: call(1), number=1)))
-        return lambda: timeit(lambda: call(often), number=1) / often
+    def sampler(call: Callable[[], Any]) -> Sampler:
+        call()  # compiles
+        often = max(1, round(LONG_ENOUGH / timeit(call, number=1)))
+        return lambda: timeit(call, number=often) / often
 
     return np.median(in_turn([*map(sampler, calls)], runs), axis=0)
-
-
-def repeated(call: Callable[[], Any]) -> Repeater:
-    """Call for `medians` that repeats another as often as asked and returns the last result."""
-
-    def repeat(times: int) -> Any:
-        for _ in range(times):
-            result = call()
-        return result
-
-    return repeat
 
 
 def steady(samples: np.ndarray) -> np.ndarray:
