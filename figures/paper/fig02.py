@@ -163,8 +163,7 @@ def _rows(axes, d):
     bar = a.figure.colorbar(mesh, ax=a, label="one rigid rod (cm/s)", pad=0.02)
     ends = MaxNLocator(2).tick_values(-top / 4, 0), MaxNLocator(4).tick_values(0, top)
     bar.set_ticks([tick for tick in np.unique(np.concatenate(ends)) if -top / 4 <= tick <= top])
-    alpha = np.nan_to_num(d["lone_alpha"].T, nan=-1.0)
-    a.contour(gamma, d["fine_deg"], alpha, [0.0], colors=BLACK, linestyles="--")
+    a.contour(gamma, d["fine_deg"], d["lone_alpha"].T, [0.0], colors=BLACK, linestyles="--")
     a.plot([], [], "--", color=BLACK, label="$V_z=0$, one rigid rod")
     _map(a, d, "nominal_deg", "kind")
     tilts = [rf"$\phi={tilt:.0f}$°" for tilt in d["nominal_deg"]]
