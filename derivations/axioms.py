@@ -75,15 +75,6 @@ def _euler_checks(form: sp.Expr) -> Residuals:
     return [*other, along, scale]
 
 
-def _rigid_checks(form: sp.Matrix) -> Residuals:
-    """Residuals of a turn: distances stay, it starts in place, a positive one takes +z to +x."""
-    return [
-        form.dot(form) - xi**2 - zeta**2,
-        *(form.subs(turn, 0) - sp.Matrix([xi, zeta])),
-        *(form.diff(turn).subs(turn, 0) - sp.Matrix([zeta, -xi])),
-    ]
-
-
 def _assumed(axiom: Axiom, about: str, left: str = "", derive: Any = None, **more: Any) -> Equation:
     """Entry of an axiom, with the axiom's form unless `derive` gives another one."""
     derive = derive or (lambda: axiom({}))
@@ -109,7 +100,12 @@ EQUATIONS = (
         r"place, from the centre of mass, of the point $(\xi, \zeta)$ of a rigid body that has "
         r"turned by $\vartheta$",
         "(x, z)",
-        check=_rigid_checks,
+        # distances stay, a turn starts in place, a positive one takes +z to +x
+        check=lambda form: [
+            form.dot(form) - xi**2 - zeta**2,
+            *(form.subs(turn, 0) - sp.Matrix([xi, zeta])),
+            *(form.diff(turn).subs(turn, 0) - sp.Matrix([zeta, -xi])),
+        ],
     ),
     _assumed(
         IMPULSIVE,

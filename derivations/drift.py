@@ -30,15 +30,12 @@ CASES = "stick", "back"
 _IMPULSES = {"slide": slide.impulse, "stick": slip_stick.impulse, "back": slip_reversal.impulse}
 
 
-def spin_at_landing() -> sp.Expr:
-    """Spin omega before the mean landing, solved from the closure."""
-    return only_root(CLOSURE({})[0], omega, "The closure has no spin")
-
-
 @derived("c'_x", "c'_z")
 def landing(case: str) -> Pair:
     r"""The velocity after a landing without spin: $\omega = 0$ put in."""
-    return tuple(c.subs(omega, spin_at_landing()) for c in slide.cm_velocity(*_IMPULSES[case]()))
+    after = slide.cm_velocity(*_IMPULSES[case]())
+    spin = only_root(CLOSURE({})[0], omega, "The closure has no spin")
+    return tuple(c.subs(omega, spin) for c in after)
 
 
 @derived("c'_x", "c'_z")
@@ -107,11 +104,6 @@ def plate_velocity() -> sp.Expr:
 # ---- second routes ----------------------------------------------------------------------------
 
 
-def _landed(value: sp.Expr) -> Residuals:
-    """Residuals in both regimes: c_z before the landing, from whole impacts, less a given value."""
-    return [second_routes.landing(case)[1] - value for case in CASES]
-
-
 def _balance_of_impulses(form: sp.Expr) -> Residuals:
     """Residual of (27) over (24) at mu -> 0, from a balance of tangential impulses.
 
@@ -125,11 +117,6 @@ def _balance_of_impulses(form: sp.Expr) -> Residuals:
     lost = X * Z + mu * (k**2 + Z**2)
     back, stick = sp.S.Half * lost.subs(mu, 0), s / (mu + s) * lost
     return [form - back / stick]
-
-
-def _slide_told() -> str:
-    loss = slide_loss().subs({c_z: V_z - 1, X: 0})  # v_0 = -1
-    return so("negative for every friction above zero ($v_0 < 0$)", loss)
 
 
 def _again_told() -> str:
@@ -152,7 +139,10 @@ EQUATIONS = (
         "c'_x - c_x",
         derive=slide_loss,
         check=lambda form: (second_routes.landed("slide")[0] - c_x - form,),
-        note=_slide_told,
+        note=lambda: so(
+            "negative for every friction above zero ($v_0 < 0$)",
+            slide_loss().subs({c_z: V_z - 1, X: 0}),  # v_0 = -1
+        ),
     ),
     Equation("24", "drift in slip-stick", derive=lambda: stationary("stick")[0]),
     Equation("25", "vertical velocity in slip-stick", derive=lambda: stationary("stick")[1]),
@@ -200,7 +190,8 @@ BEYOND = (
         "by what the centre leaves faster than the plate in the stationary landing",
         "c'_z - V_z",
         derive=centre_excess,
-        check=lambda form: _landed(-form - V_z),
+        # from whole impacts, in both regimes; c_z before the landing is -c_z' after it
+        check=lambda form: [second_routes.landing(case)[1] + form + V_z for case in CASES],
         note=_again_told,
     ),
     Equation(

@@ -153,27 +153,6 @@ def _consistent_checks(form: sp.Matrix) -> Residuals:
     return [mean - alpha, fall.subs(bounce, least) - 1]
 
 
-def _half_checks(form: sp.Expr) -> Residuals:
-    """Residual of the tilt of one half: there c_z' = V_0 = 2 V_z by (30).
-
-    The rod leaves and lands as fast as the plate moves.
-    """
-    return [(1 + epsilon) / (1 - epsilon + 6 * form) - 2]
-
-
-def _density_checks(form: sp.Expr) -> Residuals:
-    """Residuals of the density: it is normalised and even, with a first harmonic alone.
-
-    The values at 0 and pi are in proportion to the velocities of approach there.
-    """
-    return [
-        sp.integrate(form, (theta, 0, 2 * sp.pi)) - 1,
-        form.diff(theta, 3) + form.diff(theta),
-        form.diff(theta).subs(theta, 0),
-        form.subs(theta, sp.pi) * (q + 1) - form.subs(theta, 0) * (q - 1),
-    ]
-
-
 def _fall_of_the_paper() -> sp.Expr:
     difference = density() - paper.printed("V: H(theta)")
     (fall,) = sp.solve(difference.subs(theta, 0), q)
@@ -200,7 +179,14 @@ EQUATIONS = (
         "$q = |c_z|/V_0$, at the phases that are met",
         r"H(\theta)",
         derive=density,
-        check=_density_checks,
+        # normalised and even, with a first harmonic alone; the values at 0 and pi are in proportion
+        # to the velocities of approach there
+        check=lambda form: [
+            sp.integrate(form, (theta, 0, 2 * sp.pi)) - 1,
+            form.diff(theta, 3) + form.diff(theta),
+            form.diff(theta).subs(theta, 0),
+            form.subs(theta, sp.pi) * (q + 1) - form.subs(theta, 0) * (q - 1),
+        ],
         note=lambda: f"the paper's $H$ is the one of $q = {_fall_of_the_paper()}$",
     ),
     Equation(
@@ -241,7 +227,8 @@ EQUATIONS = (
         "with the closure",
         r"\sin^2\phi",
         derive=tilt_of_one_half,
-        check=_half_checks,
+        # the rod leaves and lands as fast as the plate moves: there c_z' = V_0 = 2 V_z by (30)
+        check=lambda form: [(1 + epsilon) / (1 - epsilon + 6 * form) - 2],
         note=lambda: (
             f"{degrees(sp.asin(sp.sqrt(tilt_of_one_half().subs(PAPER))))} for the paper's "
             f"restitution, {number(PAPER[epsilon])}"

@@ -116,11 +116,6 @@ def _slide_from_the_landing(form: sp.Matrix) -> Residuals:
         yield left.subs(start, simultaneous=True) - value
 
 
-def _pressed_in(form: sp.Expr) -> Residuals:
-    """Residual of Painleve's friction: from rest, an impulse (mu, 1) gives no normal velocity."""
-    return [1 + X * (X - Z * form) / k**2]  # what it gives the centre, and X times the spin
-
-
 def _least_pressed_in(form: sp.Matrix) -> Residuals:
     """Residuals of a thin rod's least Painleve friction: a quadratic in T has a double root."""
     friction = sp.Symbol("nu")
@@ -160,11 +155,6 @@ def _where_it_holds(words: str, forms: Callable[[str], sp.Matrix]) -> str:
     reversing = {X: mu * (k**2 + Z**2) / Z + sp.Symbol("room", positive=True)}
     so(words, forms("stick"))
     return so(f"{words} wherever the regime holds", forms("back"), reversing)
-
-
-def _pressed_told() -> str:
-    more = {mu: painleve_friction() + sp.Symbol("more", positive=True)}
-    return so("$dv/dP_z$ is negative above it", slopes()["back"], more)
 
 
 def _least_told() -> str:
@@ -214,8 +204,13 @@ EQUATIONS = (
         "friction from which a contact that slips towards $-x$ is pressed into the plate, $XZ > 0$",
         r"\mu_P",
         derive=painleve_friction,
-        check=_pressed_in,
-        note=_pressed_told,
+        # from rest, an impulse (mu, 1) gives no normal velocity: the centre's, and X times the spin
+        check=lambda form: [1 + X * (X - Z * form) / k**2],
+        note=lambda: so(
+            "$dv/dP_z$ is negative above it",
+            slopes()["back"],
+            {mu: painleve_friction() + sp.Symbol("more", positive=True)},
+        ),
     ),
     Equation(
         "Painleve: thin rod",

@@ -117,21 +117,6 @@ def _slide_boundary_checks(form: sp.Expr) -> Residuals:
     return [v_x - spin * Z]
 
 
-def _upper_tilt_of(condition: sp.Expr) -> sp.Expr:
-    """Largest tilt of the printed condition, which is a quadratic in the tangent."""
-    return sp.atan(max(sp.solve(over_tangent(condition), T), key=_at_one_half))
-
-
-def _at_two(condition: sp.Expr) -> sp.Expr:
-    """Friction that the printed condition gives where the tangent is 2."""
-    return only_root(over_tangent(condition).subs(T, 2), mu)
-
-
-def _lying_slide(condition: sp.Expr) -> sp.Expr:
-    """Friction at which the printed (14) ends for a thin rod at 90 degrees."""
-    return only_root(condition.subs(THIN).subs({phi: _FLAT, u_0: c_x, v_0: c_z}), mu)
-
-
 _MU_C = -c_x / (4 * c_z * (1 + epsilon))
 _FLAT = sp.pi / 2
 _UPRIGHT, _OVERLOOKING = 0, sp.pi / 4  # tilts by which two mistakes come out
@@ -192,7 +177,9 @@ EQUATIONS = (
         said=_MU_C,
         derive=lambda: sp.factor(thin_slide_friction().subs(phi, _FLAT)),
         contradicted_by=("14",),
-        contradiction=_lying_slide,
+        contradiction=lambda slip: only_root(
+            slip.subs(THIN).subs({phi: _FLAT, u_0: c_x, v_0: c_z}), mu
+        ),
         mistaken=lambda: thin_slide_friction().subs(phi, _UPRIGHT),
         mistake=f"the value at {degrees(_UPRIGHT)} is taken for the largest",
         note=lambda: rf"${sp.cancel(thin_slide_friction().subs(phi, _FLAT) / _MU_C)} \mu_c$",
@@ -223,7 +210,8 @@ EQUATIONS = (
         derive=lambda: largest_reversal_friction()[0],
         check=_last_reversal_checks,
         contradicted_by=("IV: condition for phi_c",),
-        contradiction=_at_two,
+        # where the tangent is 2
+        contradiction=lambda condition: only_root(over_tangent(condition).subs(T, 2), mu),
         mistaken=lambda: critical_friction().subs(THIN).subs(phi, _OVERLOOKING),
         mistake=rf"the friction whose $\phi_c$ is {degrees(_OVERLOOKING)} is taken for the largest "
         "over all tilts",
@@ -248,7 +236,10 @@ EQUATIONS = (
         derive=largest_reversal_tilt,
         at={mu: PAPER[mu]},
         contradicted_by=("IV: condition for phi_c",),
-        contradiction=_upper_tilt_of,
+        # a quadratic in the tangent
+        contradiction=lambda condition: sp.atan(
+            max(sp.solve(over_tangent(condition), T), key=_at_one_half)
+        ),
         mistaken=lambda: _end_of_reversal(critical_tangents()[:1]),
         mistake="the second root of the condition is overlooked",
         note=lambda: (
