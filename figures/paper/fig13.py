@@ -13,7 +13,7 @@ hardly drifts; those thrown at the start do not.
 import matplotlib.pyplot as plt
 import numpy as np
 
-from impact import drift, spherocylinder, thin_rod
+from impact import InputError, drift, spherocylinder, thin_rod
 
 from ..lib.runs import (
     BOX,
@@ -88,6 +88,8 @@ def data(
     length: float = LENGTH,
 ) -> Data:
     """Measured rows and the theory beside them; of one's own values the theory alone. cm/s."""
+    if friction == 0:
+        raise InputError("friction must be > 0, else no drift is determined; got 0")
     setting = {"friction": friction, "restitution": restitution}
     words = rf"theory: $\epsilon={restitution:g}$, $\mu={friction:g}$, (a, b) $l={length:g}\,d$"
     runs = sweeps(quick)
