@@ -27,7 +27,7 @@ from derivations import command_line  # noqa: F401  (before slow imports)
 
 # isort: split
 import tomllib
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from importlib import import_module
@@ -58,14 +58,12 @@ class Entry:
     alone: bool = False
     panel: str = ""
     seconds: int = 5
-    own: tuple[str, ...] = ()
+    own: Sequence[str] = ()
 
 
 _ROOMS = tomllib.loads(Path(__file__).with_name("figures.toml").read_text(encoding="utf-8"))
 FIGURES = {
-    name: Entry(room, **{**known, "own": tuple(known.get("own", ()))})
-    for room, names in _ROOMS.items()
-    for name, known in names.items()
+    name: Entry(room, **known) for room, names in _ROOMS.items() for name, known in names.items()
 }
 
 
