@@ -86,7 +86,9 @@ def test_the_papers_statements_are_judged_for_ones_own_rods(mine, tmp_path):
     rows = report["statements"]
     assert ("warning: the tilt" in printed) == (report["tilt_off_deg"] > 2)
     for off, warned in ((2.0, False), (2.1, True), (np.nan, True)):
-        assert ("warning: the tilt" in own_rods.brief(report | {"tilt_off_deg": off})) == warned
+        assert (
+            "warning: the tilt" in own_rods.brief(report | {"statements": [], "tilt_off_deg": off})
+        ) == warned
     values = {f"{row['id']}.{row['key']}": row["value"] for row in rows}
     assert {"S2.rms", "S3.forward", "S16.distance", "S22.pushed"} <= values.keys()
     with pytest.MonkeyPatch.context() as patch:
