@@ -12,7 +12,7 @@ import impact
 import md
 from impact import drift, flat_ended_rod, spherocylinder
 
-from ..checks import appendix_a, closure
+from ..checks import appendix_a, closure, phase_friction
 from ..lib import runs as rows
 from ..lib import soft_impacts as soft
 from ..lib.style import Data
@@ -63,9 +63,9 @@ def forward(data):
 
 
 def _cut(data: Evidence) -> Data:
-    """Drift [cm/s] of the row over friction, at the restitution of the other figures."""
+    """Drift [cm/s] of the row over friction, at the restitution of the figures' law."""
     d = data.figure("phase_friction")
-    at = rows.nearest(d["restitution"], rows.RESTITUTION)
+    at = rows.nearest(d["restitution"], phase_friction.OF_LAW)
     return {"friction": d["friction"], **{name: d[name][:, at] for name in ("c_x", "c_x_error")}}
 
 
