@@ -102,6 +102,20 @@ def test_the_papers_statements_are_judged_for_ones_own_rods(mine, tmp_path):
     assert {point.scene.rods.length for point in sweep.points} == {5.0}
 
 
+def test_a_row_that_has_turned_over_counts_as_its_mirror_image(monkeypatch):
+    starts = {
+        "tilt_deg": (20.0, -20.0),
+        "c_x_cm_s": (3.0, -3.0),
+        "c_x_stderr_cm_s": (0.1, 0.1),
+        "landings.omega_after.mean": (-1.0, 1.0),
+        "touches.c_z_before.mean": (-2.0, -2.0),
+    }
+    monkeypatch.setattr(runs, "gathered", lambda _, *names: [np.array(starts[x]) for x in names])
+    found = runs.means(None, {name: name for name in starts}, runs.along_lean)
+    assert {name: found[name] for name in starts} == {name: x for name, (x, _) in starts.items()}
+    assert not any(found[f"{name}_error"] for name in starts)
+
+
 def test_a_figure_of_the_row_shows_ones_own_rods(mine):
     d = fig08.data(quick=True, scene=str(mine))
     assert "mine: 5 rods" in str(d["words"])

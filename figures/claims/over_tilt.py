@@ -11,7 +11,7 @@ import numpy as np
 from impact import drift, landing_density, thin_rod
 from md.sweep import Sweep
 
-from ..lib.runs import SETTING, drift_and_tilt, means
+from ..lib.runs import SETTING, Read, drift_and_tilt, gathered, means
 from .limits import ONE_STATE_DEG, read
 from .uncertainty import Numbers, crossing, measures, rms
 
@@ -41,7 +41,9 @@ STORED = {  # name in a table: name in the store; landings: `landing_`, flight, 
 Table = Mapping[str, np.ndarray]
 
 
-def table(sweep: Sweep, nominal: np.ndarray, own: bool = False) -> dict[str, Any]:
+def table(
+    sweep: Sweep, nominal: np.ndarray, own: bool = False, read: Read = gathered
+) -> dict[str, Any]:
     """Means over the starts of a sweep over tilt, with their standard errors; the theory's drift.
 
     The errors of drift and tilt are those between the starts or within them, whichever is larger.
@@ -51,6 +53,7 @@ def table(sweep: Sweep, nominal: np.ndarray, own: bool = False) -> dict[str, Any
     sweep : rows over the length of the box, then over starts
     nominal : tilts [deg] that the lengths of the box give
     own : whether the theory has the friction and restitution of the row's plate, else the paper's
+    read : `runs.gathered`, or `runs.along_lean`
     """
     scene = sweep.points[0].scene
     setting, plate = SETTING, scene.contacts.plate
@@ -64,8 +67,8 @@ def table(sweep: Sweep, nominal: np.ndarray, own: bool = False) -> dict[str, Any
         "speed": scene.plate_speed,
         "theory_tilt": tilt,
         "theory_c_x": c_x,
-        **means(sweep, STORED),
-        **drift_and_tilt(sweep),
+        **means(sweep, STORED, read),
+        **drift_and_tilt(sweep, read=read),
     }
 
 

@@ -1,8 +1,8 @@
 """The paper's statements on a row over its tilt, judged for rods of one's own.
 
-The rods stand in boxes that give the nominal tilts, from four starts each; the theory has the
-friction and restitution of their plate. Statements on annuli, single impacts, other accelerations
-or frictions have no part here.
+The rods stand in boxes that give the nominal tilts, from four starts each; of a row that turns over
+the mirror image counts. The theory has the friction and restitution of their plate. Statements on
+annuli, single impacts, other accelerations or frictions have no part here.
 """
 
 from collections import Counter
@@ -12,7 +12,7 @@ from joblib import cpu_count
 
 from md.cache import digest
 
-from ..lib.runs import lacking, row_of, tilt_plan, tilts
+from ..lib.runs import along_lean, lacking, row_of, tilt_plan, tilts
 from ..pages.everything import in_words, run_seconds
 from . import over_tilt
 from .any_rods import KEPT_DEG
@@ -48,7 +48,8 @@ def judged(scene: str, quick: bool = False) -> Record:
     scene, quick : as of `estimate`
     """
     row = row_of(scene)
-    table = over_tilt.table(tilt_plan(quick, scene=scene), tilts(quick), own=True)
+    plan = tilt_plan(quick, scene=scene)
+    table = over_tilt.table(plan, tilts(quick), own=True, read=along_lean)
     rows = [
         judged_number(resampled(table, over_tilt.NUMBERS[name]), limits)
         for name, limits in over_tilt.JUDGED.items()
@@ -67,8 +68,8 @@ def brief(report: Record) -> str:
     said, lines = "", [f"{rods}. The paper says:"]
     if not (off := report["tilt_off_deg"]) <= KEPT_DEG:
         lines.append(
-            f"warning: the tilt, over all starts, is up to {off:.1f} degrees off acos(d N/L): rods "
-            "that turn over, say, are no row as the paper has it, and what is judged means little"
+            f"warning: the tilt is up to {off:.1f} degrees off acos(d N/L): rows that turn over, "
+            "say, are none as the paper has them, and what is judged means little"
         )
     for row in report["statements"]:
         if row["says"] != said:

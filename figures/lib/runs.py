@@ -12,6 +12,7 @@ Annuli are the experiment's, `md/scenes/annulus.toml`; what the paper does not s
 The number of rods sets the tilt.
 """
 
+import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
@@ -223,6 +224,19 @@ def gathered(sweep: Sweep, *names: str) -> tuple[np.ndarray, ...]:
     return computed(sweep).gather(STORE, *names)
 
 
+_MIRRORED = re.compile(r"tilt_deg|c_x_cm_s|.+\.(c_x|omega)_(before|after)\.mean")
+
+
+def along_lean(sweep: Sweep, *names: str) -> list[np.ndarray]:
+    """Results as of `gathered`; of rows that have turned over to -x, those of the mirror image."""
+    tilt, *found = gathered(sweep, "tilt_deg", *names)
+    side = np.where(tilt < 0, -1, 1)
+    return [
+        values * side if _MIRRORED.fullmatch(name) else values
+        for name, values in zip(names, found, strict=True)
+    ]
+
+
 def over_seeds(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Mean and standard error over the seeds, the last axis; nan where runs are missing."""
     found = np.isfinite(values).sum(axis=-1)
@@ -257,17 +271,20 @@ def seed_means(results: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     return found
 
 
-def means(sweep: Sweep, names: Mapping[str, str]) -> dict[str, np.ndarray]:
+Read = Callable[..., Iterable[np.ndarray]]  # `gathered` or `along_lean`
+
+
+def means(sweep: Sweep, names: Mapping[str, str], read: Read = gathered) -> dict[str, np.ndarray]:
     """Means over seeds of results of a sweep, with `name_error` beside them."""
-    return seed_means(dict(zip(names, gathered(sweep, *names.values()), strict=True)))
+    return seed_means(dict(zip(names, read(sweep, *names.values()), strict=True)))
 
 
 DRIFT_AND_TILT = "c_x_cm_s", "c_x_stderr_cm_s", "tilt_deg", "tilt_stderr_deg"  # of a run
 
 
-def drift_and_tilt(sweep: Sweep, prefix: str = "") -> dict[str, np.ndarray]:
+def drift_and_tilt(sweep: Sweep, prefix: str = "", read: Read = gathered) -> dict[str, np.ndarray]:
     """Drift `c_x` [cm/s] and `tilt` [deg] of a sweep, with `larger_error`."""
-    c_x, c_x_in, tilt, tilt_in = gathered(sweep, *DRIFT_AND_TILT)
+    c_x, c_x_in, tilt, tilt_in = read(sweep, *DRIFT_AND_TILT)
     return {
         **with_error(f"{prefix}c_x", *larger_error(c_x, c_x_in)),
         **with_error(f"{prefix}tilt", *larger_error(tilt, tilt_in)),

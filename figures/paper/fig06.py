@@ -15,7 +15,7 @@ import numpy as np
 from impact import drift
 
 from ..claims.over_tilt import OF_BOTH_SIDES
-from ..lib.runs import means, row_of, tilt_plan, tilt_sweeps
+from ..lib.runs import along_lean, means, row_of, tilt_plan, tilt_sweeps
 from ..lib.style import (
     BLACK,
     ORANGE,
@@ -44,7 +44,7 @@ sweeps = tilt_sweeps
 def data(quick: bool = False, scene: str | None = None) -> Data:
     """Means over touches and over landings; cm/s and rad/s, the plate's velocity in V_0."""
     row = row_of(scene)
-    found = means(tilt_plan(quick, scene=scene), VELOCITY_MEANS)
+    found = means(tilt_plan(quick, scene=scene), VELOCITY_MEANS, along_lean)
     cm_per_s, plate = row.scene.cm_per_s, row.scene.plate
     second = plate.frequency_hz / row.scene.frequency  # in sqrt(d/g)
     for part, unit in {"c_x": cm_per_s, "c_z": cm_per_s, "omega": second}.items():

@@ -14,7 +14,7 @@ import numpy as np
 
 from md.scene import from_tables, put
 
-from ..lib.runs import boxes, lone, means, row_of, tilt_plan, tilt_sweeps
+from ..lib.runs import along_lean, boxes, lone, means, row_of, tilt_plan, tilt_sweeps
 from ..lib.style import (
     BLACK,
     DOTTED,
@@ -57,7 +57,7 @@ def data(quick: bool = False, scene: str | None = None) -> Data:
         "time": time,
         "plate": plate,
         "tips": np.array(heights),  # (tilts, times, rods)
-        **means(tilt_plan(quick, scene=scene), FLIGHT_MEANS),
+        **means(tilt_plan(quick, scene=scene), FLIGHT_MEANS, along_lean),
         "words": row.words,
         "lone_deg": lone_deg,
         "lone_flight": np.array([each.flight.mean for each in bounces]),

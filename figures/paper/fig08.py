@@ -13,6 +13,7 @@ from impact import landing_density
 
 from ..lib.runs import (
     SHOWN_DEG,
+    along_lean,
     gathered,
     lone,
     means,
@@ -56,7 +57,11 @@ def data(quick: bool = False, scene: str | None = None) -> Data:
         "phase": 2 * np.pi * (np.arange(BINS_DRAWN) + 0.5) / BINS_DRAWN,
         **with_error("density", *over_seeds(np.moveaxis(densities(counts[shown]), 1, -1))),
         **with_error("falling", *over_seeds(falling(counts))),
-        **means(sweep, {"tilt_deg": "tilt_deg", "landing_falling": "landings.falling.mean"}),
+        **means(
+            sweep,
+            {"tilt_deg": "tilt_deg", "landing_falling": "landings.falling.mean"},
+            along_lean,
+        ),
         "lone_deg": lone_deg,
         "lone_falling": np.array([each.falling.mean for each in bounces]),
     }
