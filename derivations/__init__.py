@@ -98,3 +98,8 @@ def __getattr__(name: str) -> Any:
     if name in __all__:
         return getattr(import_module(".lookup", __name__), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    """Names of the package, also of what is not looked up yet."""
+    return [*globals(), *__all__]

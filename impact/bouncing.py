@@ -341,7 +341,7 @@ def bounce(
         its start over some XZ/(2 friction k^2) landings
     shortest_flight : 1e-12 to 0.1 periods. A hop that is shorter counts as rest: it ends a sequence
         of ever smaller hops. `alpha`, in which every small hop counts, depends on it, as does
-        `flight`; `alpha_impulse` and `drift` hardly do
+        `flight`; `alpha_impulse` and `drift` do far less
     bins : of the landing phases, >= 1
 
     Returns

@@ -49,6 +49,7 @@ NAMES = {name: thing for module in PUBLIC for name, thing in public(module).item
 def test_public_modules_list_what_is_public(name):
     module = importlib.import_module(name)
     assert {f"{name}.{own}" for own in own_names(name)} <= NAMES.keys()
+    assert {f"{name}.{listed}" for listed in dir(module)} >= {*public(name)}  # for `help`
     package = importlib.import_module(name.partition(".")[0])
     assert package is module or name in package.__doc__
 
