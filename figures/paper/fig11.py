@@ -100,7 +100,8 @@ def draw(d: Data) -> plt.Figure:
     tilt_axis(ax)
     highest = min(np.nanmax([d["c_x"], d["c_z"]]), HIGHEST)
     ax.set(ylabel=r"velocity / $V_z$", ylim=(0, 1.35 * highest))
-    if d["friction"] > 0 and critical_deg(d).size:
+    edges = critical_deg(d)
+    if edges.size and edges[-1] < 89.9:  # else too narrow to see
         _end(ax, d)
     legend_above(figure, ax, ncols=2)
     setting = rf"$\epsilon={d['restitution']:g}$, friction $\mu={d['friction']:g}$"
