@@ -52,7 +52,7 @@ import numpy as np
 from emcee import EnsembleSampler
 from scipy.stats import qmc
 
-from .domains import InputError, RunError, finite, held, listed, positive, span, tabled, whole
+from .domains import InputError, RunError, held, listed, number, positive, span, tabled, whole
 from .files import text_of
 from .scene import changes_of, put, read_tables, scene_beside
 from .simulation import MOST_PERIODS
@@ -291,8 +291,8 @@ def search(given: Search, store: str | Path, **how: Any) -> Found:
     held("given", given, Search)
     parts, runs, low, high = [], [], 0.0, 1.0
     tally: Counter[str] = Counter()
-    for number in range(given.rounds):
-        drawn = qmc.Sobol(len(given.parameters), seed=_SEED + number).random(given.points)
+    for made in range(given.rounds):
+        drawn = qmc.Sobol(len(given.parameters), seed=_SEED + made).random(given.points)
         parts.append(low + drawn * (high - low))
         sweep = given.sweep(parts[-1])
         tally.update(vars(execute(sweep, store, **how)))
@@ -422,7 +422,7 @@ def _measured(path: Path, result: str) -> list[Target]:
             ) from None
         value, error = cells.pop(result), cells.pop("error")
         if not math.isnan(value):
-            finite(f"{where}, {result}", value)
+            number(f"{where}, {result}", value, -1e100, 1e100)
             positive(f"{where}, error", error)
         place = {key: int(x) if x.is_integer() else x for key, x in cells.items()}
         targets.append(Target(place, result, value, error))
