@@ -78,8 +78,8 @@ import sys
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-if sys.argv[:1] == ["-m"]:  # a command: without a limit SymPy is a tenth faster
-    os.environ.setdefault("SYMPY_CACHE_SIZE", "None")
+if sys.argv[:1] == ["-m"] and "derivations" in sys.orig_argv:  # its commands
+    os.environ.setdefault("SYMPY_CACHE_SIZE", "None")  # without a limit SymPy is a tenth faster
 if TYPE_CHECKING:
     from . import symbols
     from .lookup import equation, function
@@ -102,4 +102,4 @@ def __getattr__(name: str) -> Any:
 
 def __dir__() -> list[str]:
     """Names of the package, also of what is not looked up yet."""
-    return [*globals(), *__all__]
+    return sorted({*globals(), *__all__})

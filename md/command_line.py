@@ -1,8 +1,8 @@
 """A group of commands that end with an exit code and, where they fail, one line of standard error.
 
 The first import of each package with commands: Ctrl-C while the others go on ends a command at
-once, as nothing was begun; SIGTERM does so by itself. The same file stands in `derivations`,
-`figures` and `md`.
+once, as nothing was begun; SIGTERM does so by itself. What it defines stands in
+`derivations` as well: neither package imports the other.
 """
 
 import io

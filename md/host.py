@@ -308,11 +308,9 @@ def all_effects(scene: Scene, per: int) -> Effects:
     if gap is None:
         return effects
     assert wall is not None
-    inertia = effects.inertia
-    if scene.rods.rolling:
-        inertia = inertia._replace(rolling=rod.gyration_squared / rod.axial_gyration_squared - 1)
+    rolling = rod.gyration_squared / rod.axial_gyration_squared - 1 if scene.rods.rolling else None
     return effects._replace(
-        inertia=inertia,
+        inertia=effects.inertia._replace(rolling=rolling),
         up=IN_SPACE,
         gravity=gravity.z if gravity else None,
         walls=Walls(*wall, gap.inner, gap.outer),

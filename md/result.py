@@ -217,16 +217,19 @@ def _unit(r: Result) -> str:
 
 
 def _drift(r: Result) -> list[str]:
-    cm = _with_error(r.c_x_cm_s, r.c_x_stderr_cm_s)
-    lines = [f"drift        c_x = {_with_error(r.c_x, r.c_x_stderr)} sqrt(g d) = {cm} cm/s"]
+    row = r.scene.annulus is None
+    lines = [
+        f"drift        c_x = {_with_error(r.c_x, r.c_x_stderr)} sqrt(g d) = "
+        f"{_with_error(r.c_x_cm_s, r.c_x_stderr_cm_s)} cm/s"
+    ]
     if isnan(r.c_x_stderr):
         why = "rods keep their arrangement: only other starts tell it (start.seed)"
-        if r.scene.annulus is None:
+        if row:
             why = f"from {FEWEST * 5 // 4 - 1} {_unit(r)} on one run can tell it"
         lines.append(f"             error unknown: {why}")
     fell = f", fell {r.fell} times" if r.fell else ""
     lines.append(f"tilt         {_with_error(r.tilt_deg, r.tilt_stderr_deg)} degrees{fell}")
-    if r.scene.annulus is None and r.tilt_deg * r.scene.tilt < 0:
+    if row and r.tilt_deg * r.scene.tilt < 0 and 1 < abs(r.tilt_deg) < 85:
         lines.append("warning      turned over: the rods lean to the other side than at the start")
     return lines
 
@@ -235,9 +238,8 @@ def _touches(r: Result) -> list[str]:
     if not r.touches:
         return []
     mean = {name: pair["mean"] for name, pair in r.touches.items()}
-    if not mean["per_rod_and_period"] > 0:
-        none = "warning      no touch of the plate has begun behind the transient"
-        return [none] if r.scene.vibrates else []
+    if not mean["per_rod_and_period"]:
+        return ["touches      none has begun behind the transient"]
     return [
         f"touches      {mean['per_rod_and_period']:.3g} per rod and {_unit(r).removesuffix('s')}: "
         f"slide {mean['slide']:.0%}, slip-stick {mean['slip_stick']:.0%}, slip reversal "

@@ -242,8 +242,8 @@ class Scene(Part):
         beyond = max(spacing * abs(sin(tilt)) - (rods.length - 1), 0.0)  # along the axes
         if hypot(beyond, spacing * cos(tilt)) < 1 - 1e-12:
             raise InputError(
-                f"start.tilt_deg must be between {-most:g} and {most:g} for {n} rods in a box of "
-                f"{box.length:g}, got {degrees(tilt):.6g}"
+                f"start.tilt_deg must be between {0 - most:g} and {most:g} for {n} rods in a box "
+                f"of {box.length:g}, got {degrees(tilt):.6g}"
             )
 
     @property

@@ -24,7 +24,6 @@ from .units import in_cm
 _VERSION = 2  # 1: other names of keys and columns
 _APPLICATION = 0x726F6473  # "rods"
 _WAIT = 60.0  # seconds for another writer
-_PLAIN = methodcaller("tolist")  # of numbers and arrays of NumPy
 _LAST = "code", "error", "seconds", "written"  # columns at the end of all tables
 _OF_RUN = "periods", "seed", *_LAST
 
@@ -141,10 +140,11 @@ class Store:
         error : why it failed; None if it did not
         """
         with self._failing("cannot be written"), self.database:
+            tolist = methodcaller("tolist")  # of numbers and arrays of NumPy
             row = about | {
                 "key": key,
                 "scene": json.dumps(about["scene"]),
-                "result": None if result is None else json.dumps(result, default=_PLAIN),
+                "result": None if result is None else json.dumps(result, default=tolist),
                 "error": error,
                 "written": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
             }

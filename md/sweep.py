@@ -212,7 +212,8 @@ class Sweep:
         if missing := results.count(None):
             warn(f"{missing} of {len(results)} runs are missing in {store}, or have failed")
         known = {name for result in results for name in flat(result or {})}
-        for name in [*names, *(error for error in map(error_of, names) if error in known)]:
+        lacking = {*map(error_of, known)} - known
+        for name in [*names, *(error for error in map(error_of, names) if error not in lacking)]:
             array = self._array(results, name)
             inner = [f"{name}.{i}" for i in range(array.ndim - len(dims))]
             variables[name] = (*dims, *inner), array
@@ -240,8 +241,8 @@ def _values(name: str, given: object) -> list:
         low, high, log = span(name, given)
         count = whole(f"{name}.count", given["count"], 2, _MOST_POINTS)
         spaced = (np.geomspace if log else np.linspace)(low, high, count)
-        rounded = (float(f"{x:.15g}") for x in spaced.tolist())  # 20, not 20.000000000000004
-        return [int(x) if x.is_integer() else x for x in rounded]
+        # 20, not 20.000000000000004
+        return [round(x) if abs(x - round(x)) <= 4 * math.ulp(x) else x for x in spaced.tolist()]
     values = listed(given)
     if not values:
         raise InputError(f"{name} must be a list of values, not empty, or a range, got {given!r}")
@@ -474,7 +475,7 @@ def execute(
                     point = points[key]
                     about = {
                         "scene": as_dict(point.scene),
-                        "periods": (result or {}).get("periods", point.periods),
+                        "periods": point.periods or (result or {}).get("periods", 0),
                         "seed": point.scene.start.seed,
                         "code": cache.digest(),
                         "seconds": seconds,

@@ -118,9 +118,13 @@ def test_a_row_that_has_turned_over_counts_as_its_mirror_image(monkeypatch):
         "touches.c_z_before.mean": (-2.0, -2.0),
     }
     monkeypatch.setattr(runs, "gathered", lambda _, *names: [np.array(starts[x]) for x in names])
-    found = runs.means(None, {name: name for name in starts}, runs.along_lean)
+    gravity = Mock(x=0.0)
+    sweep = Mock(points=[Mock(scene=Mock(gravity=gravity))])
+    found = runs.means(sweep, {name: name for name in starts}, runs.along_lean)
     assert {name: found[name] for name in starts} == {name: x for name, (x, _) in starts.items()}
     assert not any(found[f"{name}_error"] for name in starts)
+    gravity.x = 0.1  # the mirror image is another row
+    assert runs.along_lean(sweep, "c_x_cm_s")[0].tolist() == [3.0, -3.0]
 
 
 def test_a_figure_of_the_row_shows_ones_own_rods(mine):

@@ -79,6 +79,9 @@ def test_axes_multiply_and_keys_of_one_axis_go_together():
     )
     counts = axes({"rods.count": {"from": 5, "to": 40, "count": 4, "log": True}})
     assert [*map(str, counts.values("rods.count"))] == ["5", "10", "20", "40"]  # whole numbers
+    late = 17 * 10**14 + np.arange(1, 9)  # as the time of the day in microseconds
+    seeds = axes({"start.seed": {"from": int(late[0]), "to": int(late[-1]), "count": 8}})
+    assert seeds.values("start.seed").tolist() == late.tolist()
     assert sweep.shape == (2, 3)
     scenes = [point.scene for point in sweep.points]
     found = [(s.rods.length, s.start.tilt_deg, s.plate.acceleration) for s in scenes]
@@ -130,7 +133,8 @@ def test_results_come_back_with_their_coordinates(reference):
 
 def plain(scene, periods):
     """Results of one's own, as NumPy gives them, without standard errors."""
-    return {"c_x": np.float32(scene.start.seed), "places": np.arange(periods)}
+    known = {"c_x": np.float32(scene.start.seed), "periods": np.int64(periods)}
+    return known | {"places": np.arange(periods)}
 
 
 def test_a_measure_of_ones_own_is_stored(path):
@@ -143,9 +147,16 @@ def test_a_measure_of_ones_own_is_stored(path):
     assert found["c_x"].data.tolist() == [1.0, 2.0]
     assert found["places"].data.tolist() == [[0, 1, 2]] * 2
     assert {*found} == {"c_x", "places"}
+    assert [row["periods"] for row in table(path)[1]] == [3, 3]
     failing = replace(sweep.points[0], measure=Measure(lambda *_: {"c_x": print}, "other"))
     with pytest.raises(StoreError, match="cannot be written"):
         execute(replace(sweep, points=(failing,)), path, workers=1)
+
+
+def test_errors_come_along_without_a_run(reference):
+    with pytest.warns(RuntimeWarning, match="1 of 1 runs are missing"):
+        found = axes({"start.tilt_deg": [33]}).to_xarray(reference[1], "c_x_cm_s")
+    assert {*found} == {"c_x_cm_s", "c_x_stderr_cm_s"}
 
 
 def test_a_result_that_cannot_be_gathered_is_named(reference):

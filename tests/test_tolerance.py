@@ -176,11 +176,13 @@ def test_a_run_says_whether_its_drift_trends(slope, periods):
 
 def test_a_run_says_what_became_of_its_rods():
     """They lean to the other side, or have not touched the plate; results are told apart."""
-    result, said = md.run(row(), periods=2), ("turned over", "no touch of the plate")
+    result, said = md.run(row(), periods=2), ("turned over", "none has begun")
     assert not any(word in str(result) for word in said)
     none = result.touches | {"per_rod_and_period": {"mean": 0.0, "stderr": 0.0}}
     other = replace(result, tilt_deg=-result.tilt_deg, touches=none)
     assert all(word in str(other) for word in said)
+    for tilt in (-0.9, -85.1):  # upright, or lying: +90 degrees are -90 degrees
+        assert said[0] not in str(replace(result, tilt_deg=tilt))
     assert result not in (other, replace(result))
 
 

@@ -68,8 +68,8 @@ def brief(report: Record) -> str:
     said, lines = "", [f"{rods}. The paper says:"]
     if not (off := report["tilt_off_deg"]) <= KEPT_DEG:
         lines.append(
-            f"warning: the tilt is up to {off:.1f} degrees off acos(d N/L): rows that turn over, "
-            "say, are none as the paper has them, and what is judged means little"
+            f"warning: the tilt is up to {off:.1f} degrees off acos(d N/L): these are no rows as "
+            "the paper has them, and what is judged means little"
         )
     for row in report["statements"]:
         if row["says"] != said:

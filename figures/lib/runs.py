@@ -228,7 +228,12 @@ _MIRRORED = re.compile(r"tilt_deg|c_x_cm_s|.+\.(c_x|omega)_(before|after)\.mean"
 
 
 def along_lean(sweep: Sweep, *names: str) -> list[np.ndarray]:
-    """Results as of `gathered`; of rows that have turned over to -x, those of the mirror image."""
+    """Results as of `gathered`; of rows that have turned over to -x, those of the mirror image.
+
+    Where gravity points along x, the mirror image is another row.
+    """
+    if any(point.scene.gravity and point.scene.gravity.x for point in sweep.points):
+        return [*gathered(sweep, *names)]
     tilt, *found = gathered(sweep, "tilt_deg", *names)
     side = np.where(tilt < 0, -1, 1)
     return [
