@@ -112,7 +112,7 @@ def appendix_a(
     """Contact law of Appendix A as printed: F_n = k_n delta^(3/2) - gamma_n M_e delta v_n.
 
     F_t is that of a spring of stiffness k_t delta and a dashpot gamma_t M_e delta. As its stiffness
-    follows the overlap, the spring can give energy: at frictions of 1 or more some impacts end with
+    follows the overlap, the spring can give energy: where friction is large, some impacts end with
     more than they began with.
 
     Parameters

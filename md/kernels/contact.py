@@ -269,7 +269,7 @@ def tangential_constants(spring, overlap, mass):
 def before_of(normal, powers, closing, free, light, last, dt):
     """`Before` of a contact with F_n = `last` a step before; the rest as of `normal_force`."""
     overlap = powers[0]
-    since = overlap / -closing if -closing * dt > overlap else dt  # from the touch on, at most
+    since = overlap / -closing if -closing * dt > overlap else dt  # the touch, at most a step ago
     halved = HALVED[0] * overlap, HALVED[1] * powers[1], HALVED[2] * powers[2]
     halfway = normal_force(normal, halved, closing, free, light, None, dt)
     if since < dt:
