@@ -44,6 +44,7 @@ from .symbols import (
 )
 
 _gain, _rest, _j_1, _N_after, _cross = sp.symbols("gain rest j_1 N_after cross", real=True)
+_slide, _left = sp.symbols("slide left", real=True)  # v_f of a slide, and what it has over v_1
 
 
 def _until_v_f(part: sp.Expr) -> sp.Expr:
@@ -78,13 +79,19 @@ def _rod(contact: Pair, simpler: Callable[[sp.Expr], sp.Expr], square: sp.Expr) 
     return {"X": X, "Z": Z, "gyration": simpler(square.subs(diameter, _s * length) / length**2)}
 
 
-def _of_law(law: str, order: str, output: str, power: int) -> Function:
-    """Generated function of v_f to a power, under a law of restitution, if the slip stops."""
-    return Function(
-        f"{law}_{order}",
-        lambda: {output: laws.final_velocity(law, order) ** power},
-        meaning=GENERAL,
-    )
+def _of_law(law: str, order: str, outputs: str, power: int) -> Function:
+    """Generated function of v_f to a power, if the slip stops, and of how much more it is than v_1.
+
+    Where it stops early, v_f - v_1 is a sum of positive terms as it stands: v_f alone is generated.
+    """
+
+    def forms() -> NamedForms:
+        v_f = laws.final_velocity(law, order) ** power
+        return dict(zip(outputs.split(), (v_f, v_f - laws.V_1**power), strict=False))
+
+    slide = -epsilon * v_0
+    meaning = {**GENERAL, _slide: slide, _left: slide - laws.V_1}
+    return Function(f"{law}_{order}", forms, meaning=meaning)
 
 
 def _grip_of(case: str) -> sp.Expr:
@@ -174,11 +181,10 @@ FUNCTIONS = (
         },
         meaning={**RESPONSES, _N_after: k**2 * laws.a_2, _j_1: stop()[1].subs(m, 1) / k**2},
     ),
-    *(
-        _of_law(law, order, output, power)
-        for law, output, power in (("poisson", "v_f", 1), ("stronge", "square", 2))
-        for order in laws.ORDERS
-    ),
+    _of_law("poisson", "early", "v_f", 1),
+    _of_law("poisson", "late", "v_f rest", 1),
+    _of_law("stronge", "early", "square", 2),
+    _of_law("stronge", "late", "square more", 2),
     Function("energy_change", lambda: {"energy": laws.energy_of_impulse()}),
     # ---- rods, regime boundaries, drift ----
     _of_rods("critical_friction", lambda: {"mu": thin_rod.critical_friction()}),

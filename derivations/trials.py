@@ -61,15 +61,18 @@ def _contacts() -> Iterator[dict[str, Any]]:
             divisor, near = (1, aside) if kind == 7 else (2, 1)
             at["v_0"] = -at["u_0"] * n / (t * (1 + at["epsilon"] / divisor)) * near
         yield at
-    # Exact to the last digit: no approach; u_* = 0; v_1 = 0; no slip, and nothing that starts it.
-    for u, v, restitution, friction in (
-        (1, 0, 0.5, 0.5),
-        (1, -0.5, 1, 0.5),
-        (1, -1, 0.5, 0.5),
-        (0, -1, 0, 0),
+    # A slip that stops late on a long lever; and, exact to the last digit: no approach; u_* = 0;
+    # v_1 = 0; no slip, and nothing that starts it.
+    names = "X", "Z", "k", "u_0", "v_0", "epsilon", "mu"
+    for contact in (
+        (1, 1, 0.015625, 1, -0.75, 0.5, 1),
+        (0, -1, 1, 1, 0, 0.5, 0.5),
+        (0, -1, 1, 1, -0.5, 1, 0.5),
+        (0, -1, 1, 1, -1, 0.5, 0.5),
+        (0, -1, 1, 0, -1, 0, 0),
     ):
-        at = {"X": 0, "Z": -1, "k": 1, "u_0": u, "v_0": v, "epsilon": restitution, "mu": friction}
-        yield {letter: mpmath.mpf(value) for letter, value in at.items()}
+        at = dict(zip(names, map(mpmath.mpf, contact), strict=True))
+        yield at
     yield {**at, "mu": mpmath.mpf(2) ** 970}  # friction as good as infinite
 
 

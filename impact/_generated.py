@@ -8,7 +8,7 @@ frame   mirrored so that u_0 >= 0; impulses and energies per unit mass
 text    operations are counted as derived -> after each rewriting rule
 """
 
-DIGEST = "cc3c5057ee9701d8"  # sha256 of these functions and the kernel, first 16 digits
+DIGEST = "2b1ce089b76c8c95"  # sha256 of these functions and the kernel, first 16 digits
 
 
 def approach(c_x, c_z, omega, V_z, X, Z):
@@ -116,12 +116,15 @@ def poisson_early(epsilon, v_1, w):
     return epsilon * (w - v_1)
 
 
-def poisson_late(epsilon, v_0, v_1, r):
-    """v_f under Poisson's restitution; the slip stopped after compression ended.
+def poisson_late(v_1, left, r):
+    """v_f and v_f - v_1 under Poisson's restitution; the slip stopped after compression ended.
 
-    0 <= v_1 <= -epsilon v_0, r > 0. Operations: as derived 13, name v_1 4.
+    v_1 >= 0, r > 0; left = -epsilon v_0 - v_1, at least 0, is what a slide would still gain.
+    Operations: as derived 29, name what is left 2.
     """
-    return v_1 - r * (v_1 + v_0 * epsilon)
+    rest = r * left
+    v_f = v_1 + rest
+    return v_f, rest
 
 
 def stronge_early(epsilon, v_0, v_1, w):
@@ -132,12 +135,15 @@ def stronge_early(epsilon, v_0, v_1, w):
     return epsilon * epsilon * (v_1 * v_1 - w * (v_0 + v_1))
 
 
-def stronge_late(epsilon, v_0, v_1, r):
-    """v_f^2 under Stronge's restitution; the slip stopped after compression ended.
+def stronge_late(v_1, slide, left, r):
+    """v_f^2 and v_f^2 - v_1^2 under Stronge's restitution; the slip stopped after compression ended.
 
-    0 <= v_1 <= -epsilon v_0, r > 0. Operations: as derived 30, sum of positive terms 8.
+    v_1 >= 0, r > 0; slide = -epsilon v_0, left = slide - v_1, at least 0. Operations: as
+    derived 64, sum of positive terms 5.
     """
-    return v_1 * v_1 - r * (v_1 + v_0 * epsilon) * (v_1 - v_0 * epsilon)
+    more = r * left * (slide + v_1)
+    square = v_1 * v_1 + more
+    return square, more
 
 
 def energy_change(P_x, P_z, u_0, v_0, u_f, v_f):

@@ -33,6 +33,7 @@ from ._select import select
 
 SPLIT = 2.0**27 + 1
 HUGE_FRICTION = 2.0**500
+TINY = 2.0**-500  # a speed that stands for 0 as a divisor
 
 
 def split(a):
@@ -211,62 +212,53 @@ def mirrored(given):
 
 
 def newton(velocities, contact, k, epsilon, sliding, stopped):
-    """v_f, v_f - v_0 and its low part under kinematic restitution."""
-    v_f, gain, gain_low, slides, sticks = sliding
-    return v_f, gain, gain_low
+    """v_f and v_f - v_1, if the slip stops, under kinematic restitution."""
+    v_slide, left, sticks = sliding
+    return v_slide, left
 
 
-def after_stop(velocities, contact, k, sliding, stopped):
-    """w and r of the phase after the stop, v_1, and v_1 no larger than a slide would leave."""
+def after_stop(velocities, contact, k, sticks, stopped):
+    """w and r of the phase after the stop, and v_1."""
     u_0, v_0, u_low, v_low = velocities
     N, T, N_back, T_back, K, K_z, N_low, T_low = contact
-    v_slide, gain_slide, gain_low, slides, sticks = sliding
     j_stop, rise, rise_low = stopped
     after = select(sticks, stick_response(k, K, K_z), N_back)
     w, r = slopes(j_stop, N, after)
     v_1 = (v_0 + rise) + (v_low + rise_low)
-    v_late = smaller(v_1, v_slide)  # rounding at the slide's edge
-    return w, r, v_1, v_late
-
-
-def gained(velocities, sliding, v_stopped):
-    """v_f, v_f - v_0 and its low part under a law that gives v_f after a stop."""
-    u_0, v_0, u_low, v_low = velocities
-    v_slide, gain_slide, slide_low, slides, sticks = sliding
-    v_f = select(slides, v_slide, v_stopped)
-    gain = v_f - v_0
-    gain_low = (v_f - (gain + v_0)) - v_low
-    return v_f, gain, gain_low
+    return w, r, v_1
 
 
 def poisson(velocities, contact, k, epsilon, sliding, stopped):
-    """v_f, v_f - v_0 and its low part under kinetic restitution."""
-    u_0, v_0, u_low, v_low = velocities
-    w, r, v_1, v_late = after_stop(velocities, contact, k, sliding, stopped)
+    """v_f and v_f - v_1, if the slip stops, under kinetic restitution."""
+    v_slide, left, sticks = sliding
+    w, r, v_1 = after_stop(velocities, contact, k, sticks, stopped)
     soon = v_1 < 0
     early = poisson_early(epsilon, v_1, w)
-    late = poisson_late(epsilon, v_0, v_late, r)
-    v_stopped = select(soon, early, late)
-    return gained(velocities, sliding, v_stopped)
+    late, late_rest = poisson_late(v_1, left, r)
+    v_f = select(soon, early, late)
+    rest = select(soon, early - v_1, late_rest)
+    return v_f, rest
 
 
 def stronge(velocities, contact, k, epsilon, sliding, stopped):
-    """v_f, v_f - v_0 and its low part under energetic restitution."""
+    """v_f and v_f - v_1, if the slip stops, under energetic restitution."""
     u_0, v_0, u_low, v_low = velocities
-    w, r, v_1, v_late = after_stop(velocities, contact, k, sliding, stopped)
+    v_slide, left, sticks = sliding
+    w, r, v_1 = after_stop(velocities, contact, k, sticks, stopped)
     soon = v_1 < 0
     early = stronge_early(epsilon, v_0, v_1, w)
-    late = stronge_late(epsilon, v_0, v_late, r)
+    late, more = stronge_late(v_1, v_slide, left, r)
     square = select(soon, early, late)
-    v_stopped = sqrt(square)
-    return gained(velocities, sliding, v_stopped)
+    v_f = sqrt(square)
+    rest = select(soon, v_f - v_1, more / larger(v_f + v_1, TINY))
+    return v_f, rest
 
 
 def phases(law, velocities, contact, k, epsilon):
     """Impulses, as j, of forward slip and of what follows; contact velocities after."""
     u_0, v_0, u_low, v_low = velocities
     N, T, N_back, T_back, K, K_z, N_low, T_low = contact
-    v_slide, gain_slide, slide_low, j_slide, u_slide, hits, slides, sticks = branches(
+    v_slide, gain_slide, gain_low, j_slide, u_slide, hits, slides, sticks = branches(
         velocities, contact, epsilon
     )
     slips = u_0 > 0
@@ -275,17 +267,18 @@ def phases(law, velocities, contact, k, epsilon):
     j_low = lacking(j_rounded, u_low, T_slip, T_low)
     rise_low = N_low * j_rounded + N * j_low
     j_stop = j_rounded + j_low
-    sliding = (v_slide, gain_slide, slide_low, slides, sticks)
+    # v_slide - v_1: nothing pulls, though rounding may; so P_z > 0, and no slip back is forward
+    left = larger((gain_slide - rise) + (gain_low - rise_low), 0.0)
+    sliding = (v_slide, left, sticks)
     stopped = (j_stop, rise, rise_low)
-    v_closing, gain, gain_low = law(velocities, contact, k, epsilon, sliding, stopped)
-    # v_f - v_1: nothing pulls, though rounding may; so P_z > 0, and no slip back is forward
-    rest = larger((gain - rise) + (gain_low - rise_low), 0.0)
+    v_stopped, rest = law(velocities, contact, k, epsilon, sliding, stopped)
     j_after, u_back = reverse(rest, select(sticks, K, N_back), larger(T_back, 0.0))
     j_1 = select(slides, j_slide, j_stop)
     j_2 = select(slides, 0.0, j_after)
     u_end = select(slides, u_slide, u_back)
+    v_end = select(slides, v_slide, v_stopped)
     u_f = select(hits, u_end, u_0)
-    v_f = select(hits, v_closing, v_0)
+    v_f = select(hits, v_end, v_0)
     return j_1, j_2, u_f, v_f, hits, slides, sticks
 
 

@@ -5,7 +5,7 @@ from typing import Any, overload
 import numpy as np
 
 from . import _generated as closed
-from ._arguments import Number, Numbers, evaluated
+from ._arguments import LARGEST, Number, Numbers, evaluated
 from .geometry import ContactGeometry, lengths_of, unit_lengths
 
 
@@ -117,7 +117,8 @@ def slide_friction(geometry: ContactGeometry, *, approach_ratio: Any, restitutio
     """
 
     def block(X, Z, k, ratio, epsilon):
-        above, below = closed.slide_friction(*unit_lengths(X, Z, k), (1 + epsilon) * ratio)
+        gain = np.minimum((1 + epsilon) * ratio, LARGEST)  # 0 times inf is no number
+        above, below = closed.slide_friction(*unit_lengths(X, Z, k), gain)
         return (np.where(below > 0, np.maximum(above, 0.0) / below, np.inf),)
 
     given = {"approach_ratio": approach_ratio, "restitution": restitution}

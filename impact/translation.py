@@ -273,7 +273,8 @@ def landing_density(phase: Any, *, fall_speed: Any = 1.0) -> Any:
         start, end = landing_phases(np.minimum(q, 1.0))
         since = np.mod(theta - start, 2 * np.pi)
         met = (q >= 1) | (since <= end - start)
-        return (np.where(met | ~np.isfinite(theta), (1 + np.cos(theta) / q) / (2 * np.pi), 0.0),)
+        approach = np.maximum(1 + np.cos(theta) / q, 0.0)  # rounding at the last phase
+        return (np.where(met | ~np.isfinite(theta), approach / (2 * np.pi), 0.0),)
 
     return evaluated(block, {"phase": phase, "fall_speed": fall_speed})[0]
 

@@ -107,6 +107,10 @@ def test_extreme_numbers_have_the_answer_of_large_ones():
     assert impact.critical_friction(rods) == pytest.approx([5e299, 5e199, 1e300, 0.0], rel=1e-14)
     assert impact.painleve_friction((1e-200, 1.0, 1e-200)) == pytest.approx(2e-200, rel=1e-14)
     assert impact.painleve_friction((0.0, 1e200, 1e-200)) == np.inf
+    steep = {"approach_ratio": 1.7e308, "restitution": 1.0}
+    assert impact.slide_friction((0.0, 1.0, 1.0), **steep) < 1e-308
+    ends = np.pi / 2 + np.arange(9) * 2.0**-52
+    assert impact.landing_density(ends, fall_speed=1e-15).min() == 0
 
 
 _RNG = default_rng(6)
