@@ -8,7 +8,6 @@ from ._kernel import (
     lack_of_quotient,
     split,
     two_product,
-    two_sum,
     twofold_of_product,
     twofold_sum,
 )
@@ -17,14 +16,12 @@ from ._kernel import (
 class Twofold:
     """Number with twice the digits: the sum of a rounded number and what it lacks.
 
-    The functions of `_generated` run on it as on any number. An exact number lacks nothing, and
-    operations leave out what would change no digit; each number is split once. The first part of a
-    sum is rounded to its last digits only when it is `carried`.
+    The functions of `_generated` run on it as on any number; each number is split once. The first
+    part of a sum is rounded to its last digits only when it is `carried`.
     """
 
     def __init__(self, high: Any, low: Any = None) -> None:
-        self.high, self.exact = high, low is None
-        self.low: Any = 0.0 if low is None else low
+        self.high, self.low = high, 0.0 * high if low is None else low
 
     @cached_property
     def parts(self):
@@ -32,28 +29,19 @@ class Twofold:
         return split(self.high)
 
     def __getitem__(self, index):
-        found = Twofold(self.high[index], None if self.exact else self.low[index])
-        if "parts" in vars(self):
-            found.parts = tuple(part[index] for part in self.parts)
-        return found
+        return Twofold(self.high[index], self.low[index])
 
     def __neg__(self):
-        return Twofold(-self.high, None if self.exact else -self.low)
+        return Twofold(-self.high, -self.low)
 
     def __add__(self, other):
-        if self.exact and other.exact:
-            return Twofold(*two_sum(self.high, other.high))
         return Twofold(*twofold_sum(self.high, self.low, other.high, other.low))
 
     def __sub__(self, other):
         return self + -other
 
     def __mul__(self, other):
-        if other.exact and not self.exact:
-            return other * self
         p, error = two_product(self.parts, other.parts)
-        if self.exact:
-            return Twofold(p, error if other.exact else error + self.high * other.low)
         return Twofold(*twofold_of_product(p, error, self.high, self.low, other.high, other.low))
 
     def carried(self):
@@ -63,6 +51,5 @@ class Twofold:
 
 def quotient(a, b):
     """Quotient a/b of two rounded numbers, in twice the digits."""
-    found = Twofold(a / b)
-    found.low, found.exact = lack_of_quotient(a, b, found.parts, split(b)), False
-    return found
+    q = a / b
+    return Twofold(q, lack_of_quotient(a, b, split(q), split(b)))

@@ -1,6 +1,5 @@
 """Frictional impact of any two bodies that meet at a point; a rod on a plate is one such pair."""
 
-from collections.abc import Callable
 from functools import partial
 from typing import Any, Generic, NamedTuple, overload
 
@@ -15,7 +14,6 @@ from ._twofold import Twofold, quotient
 from .collision import exponent, law_of
 
 SHORT = 2.0**-100  # gyration radius over the lever; a shorter one gives the same digits
-SMALL, LARGE = 1e-10, 1e10  # numbers between these need no scale
 
 
 @shown
@@ -87,24 +85,12 @@ class PairCollision(NamedTuple, Generic[Number, Code]):
     energy_change: Number
 
 
-def _left(value: Any, power: Any) -> Any:
-    """The number itself, in place of a scaled one."""
-    return value
-
-
-def _usual(numbers: np.ndarray) -> bool:
-    """Whether all fields of both bodies are far from over- and underflow."""
-    mass, k, *_, c_z, _ = numbers
-    least = min(mass.min(), k.min(), np.abs(c_z).max(0).min())
-    return bool(least > SMALL and np.abs(numbers).max() < LARGE)
-
-
 def _impact(final_velocity: Any, *block: Any) -> tuple[Any, ...]:
     """Velocities of both bodies, regime code, impulse and energy change.
 
-    Unusual lengths of each body, speeds and masses are scaled by powers of two, which changes no
-    digit. The contact velocity and the mobilities are summed in twice the digits; the kernel then
-    sees one impact.
+    Lengths of each body, speeds and masses are scaled by powers of two, which changes no digit. The
+    contact velocity and the mobilities are summed in twice the digits; the kernel then sees one
+    impact.
     """
     *given, mu, epsilon = block
     numbers = np.empty((7, 2, *np.broadcast(*block).shape))  # fields of both bodies
@@ -113,24 +99,19 @@ def _impact(final_velocity: Any, *block: Any) -> tuple[Any, ...]:
     both = Body(*numbers)
     mass, fixed = both.mass, np.isinf(both.mass)
     mass[fixed] = 1.0  # the inverse of inf is set below
-    scaled: Callable[[Any, Any], Any] = _left
-    power = np.zeros(2, int)
-    size = speed = 0
-    if not _usual(numbers):
-        scaled = np.ldexp
-        size = exponent(both.X, both.Z, both.k)
-        speed = np.maximum(exponent(both.c_x, both.c_z), exponent(both.omega) + size).max(0)
-        mass, power = np.frexp(mass)
-        power = np.where(fixed, power[::-1], power)
-    light = scaled(mass, power - power.max(0))[::-1]  # 1/mass, up to 1
+    size = exponent(both.X, both.Z, both.k)
+    speed = np.maximum(exponent(both.c_x, both.c_z), exponent(both.omega) + size).max(0)
+    mass, power = np.frexp(mass)
+    power = np.where(fixed, power[::-1], power)
+    light = np.ldexp(mass, power - power.max(0))[::-1]  # 1/mass, up to 1
     light = select(fixed, 0.0, light)
     mass, power = mass.prod(0), power.min(0)  # in units of mass 2^power
 
-    k = np.maximum(scaled(both.k, -size), SHORT)
-    levers = scaled(numbers[2:4], -size)
-    c_x, c_z = (Twofold(scaled(speeds, -speed)) for speeds in (both.c_x, both.c_z))
+    k = np.maximum(np.ldexp(both.k, -size), SHORT)
+    levers = np.ldexp(numbers[2:4], -size)
+    c_x, c_z = (Twofold(np.ldexp(speeds, -speed)) for speeds in (both.c_x, both.c_z))
     # centres and spins apart: bodies that move alike must not lose their small difference
-    turn = Twofold(scaled(both.omega, size - speed))
+    turn = Twofold(np.ldexp(both.omega, size - speed))
     lift, turned = (Twofold(lever) * turn for lever in levers)
     u = ((c_x[0] - c_x[1]) + (turned[1] - turned[0])).carried()
     v = ((c_z[0] - c_z[1]) + (lift[0] - lift[1])).carried()
@@ -159,16 +140,16 @@ def _impact(final_velocity: Any, *block: Any) -> tuple[Any, ...]:
     s, x, z = (part.high for part in parts)
     s[1] *= -1  # the opposite impulse acts on the second body
     *change, turned = closed.pair_change(s, x, z, P_x, P_z)
-    c_x, c_z = (old + scaled(d, speed) for old, d in zip(both[4:6], change, strict=True))
-    omega = both.omega + scaled(turned / k, speed - size)
+    c_x, c_z = (old + np.ldexp(d, speed) for old, d in zip(both[4:6], change, strict=True))
+    omega = both.omega + np.ldexp(turned / k, speed - size)
     after = (part[i] for i in range(2) for part in (c_x, c_z, omega))
     code = kernel.regime_of(*branch)
     stuck = hits & fixed.all(0)  # all other results are nan, as no body can give way
     if np.ndim(stuck) == 0 and stuck:
         raise InputError("first.mass and second.mass must not both be inf where they close")
     code = np.where(stuck, Regime.INVALID, code)
-    impulses = (scaled(mass * part, power + speed) for part in (P_x, P_z))
-    return *after, code, *impulses, scaled(mass * energy, power + 2 * speed)
+    impulses = (np.ldexp(mass * part, power + speed) for part in (P_x, P_z))
+    return *after, code, *impulses, np.ldexp(mass * energy, power + 2 * speed)
 
 
 @overload
