@@ -10,7 +10,7 @@ from . import _kernel as kernel
 from ._arguments import Code, Codes, InputError, Number, Numbers, evaluated, fields_of, shown
 from ._impacts import Regime
 from ._select import select
-from ._twofold import Twofold, quotient
+from ._twofold import Twofold
 from .collision import exponent, law_of
 
 SHORT = 2.0**-100  # gyration radius over the lever; a shorter one gives the same digits
@@ -115,7 +115,7 @@ def _impact(final_velocity: Any, *block: Any) -> tuple[Any, ...]:
     lift, turned = (Twofold(lever) * turn for lever in levers)
     u = ((c_x[0] - c_x[1]) + (turned[1] - turned[0])).carried()
     v = ((c_z[0] - c_z[1]) + (lift[0] - lift[1])).carried()
-    ratios = quotient(levers, k)
+    ratios = Twofold(*kernel.twofold_quotient(levers, k))
     parts = Twofold(light), ratios[0], ratios[1]
     *seen, cross = closed.pair_mobility(*(part[i] for i in range(2) for part in parts))
     A, B, C = (part.carried() for part in seen)
