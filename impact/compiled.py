@@ -54,24 +54,12 @@ def _select(condition, a, b):
     return a if condition else b
 
 
-@kernel(forceinline=True)
-def _larger(a, b):
-    """Maximum without a case for nan."""
-    return a if a > b else b
-
-
-@kernel(forceinline=True)
-def _smaller(a, b):
-    """Minimum without a case for nan."""
-    return a if a < b else b
-
-
 _known = {
     "split": _split,
     "two_product": _two_product,
     "select": _select,
-    "larger": _larger,
-    "smaller": _smaller,
+    "larger": max,
+    "smaller": min,
 }
 
 
