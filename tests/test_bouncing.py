@@ -179,12 +179,3 @@ def test_scale_of_lengths_cancels():
     )
     for run in others:
         assert_array_equal(run.c_x_after, one.c_x_after)
-
-
-def test_friction_has_its_limits():
-    """Infinite friction is the limit of large friction; without any, c_x stays as it is."""
-    setting = {"gamma": 2.5, "restitution": 0.6, "landings": 30}
-    runs = [record(thin_rod(0.4), friction=mu, **setting) for mu in (np.inf, 1e30)]
-    assert_allclose(runs[0].c_x_after, runs[1].c_x_after, rtol=1e-12)
-    free = record(thin_rod(0.4), friction=0.0, **setting)
-    assert np.ptp(np.concatenate([free.c_x, free.c_x_after])) == 0

@@ -6,7 +6,7 @@ from mpmath import mpf
 from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal
 
-from impact import Body, Regime, collide_pair
+from impact import Body, collide_pair
 
 from .reference import reference_pair
 from .sampling import EPS, each_law
@@ -77,12 +77,12 @@ def test_units_do_not_matter():
     """Powers of two change exponents alone; each body may have a unit of length of its own."""
     first, second, how = pairs(2_000, seed=45)
     one = collide_pair(first, second, **how)
-    ours, theirs = (300, -800, -300), (300, 300, -300)
+    ours, theirs = (600, -800, -600), (600, 300, -600)
     other = collide_pair(scaled(first, *ours), scaled(second, *theirs), **how)
     assert_array_equal(scaled(one.first, *ours)[4:], other.first[4:])
     assert_array_equal(scaled(one.second, *theirs)[4:], other.second[4:])
     assert_array_equal(one.P_z, other.P_z)
-    assert_array_equal(np.ldexp(one.energy_change, -300), other.energy_change)
+    assert_array_equal(np.ldexp(one.energy_change, -600), other.energy_change)
 
 
 BALL = Body(mass=2.0, k=0.6, X=0.1, Z=1.0, c_x=1.0, c_z=-1.0, omega=0.5)
@@ -94,21 +94,6 @@ def test_a_mass_in_a_point_on_a_lever_gives_way_like_one_that_is_nearly_so():
     lever = BALL._replace(k=np.array([1e-20, 1e-40, 1e-300]), Z=0.0)
     first = np.array(collide_pair(lever, REST, **HOW).first[4:])
     assert_allclose(first[:, 1:], first[:, :1] * [1, 1], rtol=1e-15)
-
-
-def test_bodies_of_infinite_mass_must_not_close():
-    """Two walls that close are invalid in arrays: nothing gives way."""
-    wall = REST._replace(mass=np.inf)
-    hit = collide_pair(BALL._replace(mass=np.array([2.0, np.inf])), wall, **HOW)
-    assert hit.regime.tolist() == [collide_pair(BALL, wall, **HOW).regime, Regime.INVALID]
-    assert np.isnan(np.array([*hit.first[4:], *hit.second[4:], *hit[3:]])[:, 1]).all()
-
-
-def test_separating_bodies_come_back_unchanged_even_if_none_can_move():
-    away = BALL._replace(c_z=5.0, mass=np.inf), REST._replace(mass=np.inf)
-    for first, second in ((away[0], REST), away, (BALL._replace(c_z=1e-300, omega=0.0), REST)):
-        hit = collide_pair(first, second, **HOW)
-        assert hit == (first, second, Regime.NO_IMPACT, 0, 0, 0)
 
 
 def test_a_turned_body_has_the_normal_of_that_angle_upright():
