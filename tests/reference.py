@@ -127,7 +127,9 @@ def _end_of_impact(phases, v, e, law):
 
 
 def _walk(u, v, respond, mu, e, law):
-    """Return regime, impulse, margins and phases of an impact with v < 0."""
+    """Return regime, impulse, margins and phases of an impact; without approach there is none."""
+    if v >= 0:
+        return NO_IMPACT, mpf(0), mpf(0), Margins(inf, inf), []
     phases, sticks, stick_ratio = _friction_phases(u, v, respond, mu)
     P_z = _end_of_impact(phases, v, e, law)
     P_x = sum((q.ratio * (min(q.end, P_z) - q.begin) for q in phases if q.begin < P_z), mpf(0))
@@ -190,17 +192,14 @@ def reference_collide(
     spread += 4 * _spread((X, Z, k)) + 2 * _spread((1, mu))
     with workdps(2 * dps + 20 + spread // 3):
         mu = _finite(mu)
-        before, zero = State(c_x, c_z - V_z, omega, X, Z, k), mpf(0)
-        u, v = contact_velocity(before)
-        if v >= 0:
-            return Reference(c_x, c_z, omega, NO_IMPACT, zero, zero, u, v, zero, Margins(inf, inf))
-
-        regime, P_x, P_z, margins, _ = _walk(u, v, partial(response, before), mu, e, law)
+        before = State(c_x, c_z - V_z, omega, X, Z, k)
+        respond = partial(response, before)
+        regime, P_x, P_z, margins, _ = _walk(*contact_velocity(before), respond, mu, e, law)
         after = apply_impulse(before, P_x, P_z)
         slip, normal = contact_velocity(after)
 
         if regime == SLIP_STICK:
-            slip = zero  # by definition of the phase; the sum leaves rounding
+            slip = mpf(0)  # by definition of the phase; the sum leaves rounding
         energy_change = kinetic_energy(after) - kinetic_energy(before)
         velocities = after.c_x, after.c_z + V_z, after.omega
         return Reference(*velocities, regime, P_x, P_z, slip, normal, energy_change, margins)
@@ -269,18 +268,15 @@ def reference_pair(first, second, *, friction, restitution, law="newton", dps=60
 
         (u_1, v_1), (u_2, v_2) = map(contact_velocity, states)
         u, v = u_1 - u_2, v_1 - v_2
-        P_x = P_z = scale_x = scale_z = mpf(0)
-        regime, margins = NO_IMPACT, Margins(inf, inf)
-        if v < 0:
-            regime, P_x, P_z, margins, phases = _walk(u, v, respond, mu, e, law)
-            scale_z, scale_x = P_z, abs(P_x)
-            if regime != SLIDE:
-                last = phases[-1]
-                rise = last.v - v
-                terms = (abs(rise) + abs(v) + abs(v + respond(P_x, P_z)[1])) / last.slope
-                scale_z = last.begin + terms
-                scale_x = mu * last.begin + abs(last.ratio) * terms
-            scale_z += scale_x / 10**100  # infinite friction is a huge one, for P_z of a slide
+        regime, P_x, P_z, margins, phases = _walk(u, v, respond, mu, e, law)
+        scale_z, scale_x = P_z, abs(P_x)
+        if regime > SLIDE:
+            last = phases[-1]
+            rise = last.v - v
+            terms = (abs(rise) + abs(v) + abs(v + respond(P_x, P_z)[1])) / last.slope
+            scale_z = last.begin + terms
+            scale_x = mu * last.begin + abs(last.ratio) * terms
+        scale_z += scale_x / 10**100  # infinite friction is a huge one, for P_z of a slide
         energy, velocities, moved = mpf(0), [], []
         after = struck(apply_impulse, P_x, P_z)
         for sign, a, old, new in zip((1, -1), light, states, after, strict=True):
