@@ -218,25 +218,25 @@ def newton(velocities, contact, k, epsilon, sliding, stopped):
 
 
 def after_stop(velocities, contact, k, sticks, stopped):
-    """w and r of the phase after the stop, and v_1."""
+    """w and r of the phase after the stop, v_1 and what it lacks."""
     u_0, v_0, u_low, v_low = velocities
     N, T, N_back, T_back, K, K_z, N_low, T_low = contact
     j_stop, rise, rise_low = stopped
     after = select(sticks, stick_response(k, K, K_z), N_back)
     w, r = slopes(j_stop, N, after)
-    v_1 = (v_0 + rise) + (v_low + rise_low)
-    return w, r, v_1
+    v_1, v_1_low = total(v_0, rise, v_low + rise_low)
+    return w, r, v_1, v_1_low
 
 
 def poisson(velocities, contact, k, epsilon, sliding, stopped):
     """v_f and v_f - v_1, if the slip stops, under kinetic restitution."""
     v_slide, left, sticks = sliding
-    w, r, v_1 = after_stop(velocities, contact, k, sticks, stopped)
+    w, r, v_1, v_1_low = after_stop(velocities, contact, k, sticks, stopped)
     soon = v_1 < 0
     early = poisson_early(epsilon, v_1, w)
     late, late_rest = poisson_late(v_1, left, r)
     v_f = select(soon, early, late)
-    rest = select(soon, early - v_1, late_rest)
+    rest = select(soon, (early - v_1) - v_1_low, late_rest)
     return v_f, rest
 
 
@@ -244,13 +244,13 @@ def stronge(velocities, contact, k, epsilon, sliding, stopped):
     """v_f and v_f - v_1, if the slip stops, under energetic restitution."""
     u_0, v_0, u_low, v_low = velocities
     v_slide, left, sticks = sliding
-    w, r, v_1 = after_stop(velocities, contact, k, sticks, stopped)
+    w, r, v_1, v_1_low = after_stop(velocities, contact, k, sticks, stopped)
     soon = v_1 < 0
     early = stronge_early(epsilon, v_0, v_1, w)
     late, more = stronge_late(v_1, v_slide, left, r)
     square = select(soon, early, late)
     v_f = sqrt(square)
-    rest = select(soon, v_f - v_1, more / larger(v_f + v_1, TINY))
+    rest = select(soon, (v_f - v_1) - v_1_low, more / larger(v_f + v_1, TINY))
     return v_f, rest
 
 
