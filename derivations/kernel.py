@@ -88,8 +88,8 @@ ACCURATE = {
     ),
     "slopes": ("j_1: 2",),
     "after_stop": (
-        "v_1: 4 of v_0 + rise",
-        "j_2: 5 of j_2 * ((gain_slide + rise) / left + (v_0 + rise) / v_1)",
+        "v_1 + v_1_low: 2 of rise",
+        "j_2: 4 of j_2 * ((gain_slide + rise) / left + (v_0 + rise) / v_1)",
     ),
     "poisson": (
         "early: 9 of epsilon * (v_0 + rise + w)",
