@@ -215,9 +215,9 @@ def claims(scene: str | None, quick: bool, out: Path, store: Path | None) -> Non
         return
     with storing(out, store, *CLAIMS):
         report = judge.judge(quick, out)
-    texts = _json_text(report), gallery.claims_page(report)
-    for name, text in zip(CLAIMS, texts, strict=True):
-        _write_text(out / name, text)
+    numbers, page = (out / name for name in CLAIMS)
+    _write_text(numbers, _json_text(report))
+    _write_text(page, gallery.claims_page(report))
     print(judge.brief(report))
 
 

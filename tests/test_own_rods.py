@@ -138,11 +138,11 @@ def test_the_rigid_rod_of_ones_own_falls_under_its_own_gravity(mine, monkeypatch
     bounce = Mock(wraps=bouncing.bounce)
     monkeypatch.setattr(bouncing, "bounce", bounce)
     mine.write_text(SCENE.replace("gravity = {}", "gravity = { z = -0.25 }"))
-    runs.lone(True, str(mine))
+    runs.lone("flight", True, str(mine))
     assert {call.kwargs["gamma"] for call in bounce.call_args_list} == {3 / 0.25}
     mine.write_text(SCENE.replace("gravity = {}", "gravity = { x = 0.1 }"))
     with pytest.raises(impact.InputError, match="gravity across the plate alone"):
-        runs.lone(True, str(mine))
+        runs.lone("flight", True, str(mine))
 
 
 def annulus(path, changes):

@@ -125,8 +125,7 @@ def _draw_tilts(ax, d, where: int):
     curves = zip(MASSES, d["restitution"][where, :, 0], COLOURS, WIDE, strict=True)
     for mass, e, colour, lw in curves:
         ax.plot(np.degrees(d["tilt"]), e, color=colour, lw=lw, label=mass)
-    ax.set_ylim(0, 1.03)
-    tilt_axis(ax, step=30)
+    tilt_axis(ax, step=30, ylim=(0, 1.03))
 
 
 def _draw_distances(ax, d):

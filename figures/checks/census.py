@@ -51,7 +51,7 @@ def _mapped(before, after, arms, k, friction, plate, v_f, pull):
     x, z, turn = after.T
     towards = c_z - plate[0] + pull
     v_0 = towards + omega * arms[0]
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(all="ignore"):
         restitution = np.where(v_0 < 0, -v_f / v_0, -np.inf)
     hit = collide(
         c_x,

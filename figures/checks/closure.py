@@ -15,7 +15,6 @@ theory cancelled.
 """
 
 from functools import partial
-from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -135,7 +134,7 @@ def mean_drift(
     return brentq(excess, -far, far, xtol=1e-13) + gain / 2
 
 
-def measures(rows: np.ndarray) -> dict[str, float]:
+def measures(rows: np.ndarray) -> Data:
     """Means over touches, each alike.
 
     Parameters
@@ -156,7 +155,7 @@ def measures(rows: np.ndarray) -> dict[str, float]:
     }
 
 
-def balanced(scene: md.Scene, periods: int) -> dict[str, Any]:
+def balanced(scene: md.Scene, periods: int) -> Data:
     """`measures` of a run, its drift and its tilt, for `runs.planned`."""
     rows, result = observed(scene, periods)
     ones = np.ones(len(rows))
@@ -175,7 +174,7 @@ def sweeps(quick: bool = False) -> Sweeps:
     return {"tilt": planned(axes, periods_of(quick), measure=balanced)}
 
 
-def replaced(tilt_deg: float, known: dict[str, float]) -> list[float]:
+def replaced(tilt_deg: float, known: Data) -> list[float]:
     """Drifts of a mean landing, in the units of what is known.
 
     After each of `STEPS`; then with each of `ASSUMED` alone replaced, the rod as simulated.
@@ -202,7 +201,7 @@ def left(row: np.ndarray, drift: np.ndarray) -> np.ndarray:
     return np.sqrt(np.mean((drift - row) ** 2, axis=-2) / np.mean(row**2, axis=-2))
 
 
-def closures_of(of: dict[str, np.ndarray], kind: str = "") -> dict[str, np.ndarray]:
+def closures_of(of: Data, kind: str = "") -> Data:
     """Measured values of `ASSUMED`, from means.
 
     Parameters
@@ -221,7 +220,7 @@ def closures_of(of: dict[str, np.ndarray], kind: str = "") -> dict[str, np.ndarr
     }
 
 
-def drifts(tilt: np.ndarray, speed: float, measured: dict[str, np.ndarray]) -> np.ndarray:
+def drifts(tilt: np.ndarray, speed: float, measured: Data) -> np.ndarray:
     """`replaced` of every run, along a first axis."""
     found = np.empty((len(STEPS) + len(ASSUMED), *tilt.shape))
     for at in np.ndindex(tilt.shape):
@@ -265,8 +264,8 @@ def _draw_steps(ax, d, at: range):
         curve(ax, d, "tilt", "step", colour, names[i], at=i, form=form, ms=2.5)
     curve(ax, d, "tilt", "c_x", label="row", ms=3.5, lw=1.2)
     roof = max(np.nanmax(d["step"][at]), d["c_x"].max())
-    tilt_axis(ax, 0, 65)
-    ax.set(ylabel=r"drift $c_x$ (cm/s)", ylim=(min(0, 1.1 * d["c_x"].min()), 1.55 * roof))
+    limits = min(0, 1.1 * d["c_x"].min()), 1.55 * roof
+    tilt_axis(ax, 0, 65, ylabel=r"drift $c_x$ (cm/s)", ylim=limits)
     ax.legend(**LEGEND)
 
 
@@ -281,9 +280,9 @@ def _draw_assumed(ax, d):
     for (name, value), (colour, label, form) in zip(ASSUMED.items(), looks, strict=True):
         ax.axhline(value, color=colour, ls="--", lw=0.7)
         curve(ax, d, "tilt", name, colour, label, form=form, ms=2.5)
-    tilt_axis(ax, 0, 65)
     low = min(-0.2, *(1.1 * np.nanmin(d[name]) for name in ASSUMED))
-    ax.set(ylabel="assumed, measured", ylim=(low, 1.75), yticks=np.arange(-0.25, 1.1, 0.25))
+    ticks = np.arange(-0.25, 1.1, 0.25)
+    tilt_axis(ax, 0, 65, ylabel="assumed, measured", ylim=(low, 1.75), yticks=ticks)
     ax.legend(**LEGEND)
 
 
@@ -315,6 +314,6 @@ def draw(d: Data) -> plt.Figure:
         "assumptions": _draw_assumed,
         "what is left, step on step": _draw_left,
     }
-    figure = painted(d, panels, rows=2, figsize=(7.0, 5.0))
+    figure = painted(d, panels, 5.0, rows=2)
     note(figure, f"+: kept in all later steps; {TILT_SCAN_WORDS}")
     return figure

@@ -103,7 +103,6 @@ def _draw_regimes(ax, d):
     looks = zip(STORED[1:4], REGIME_COLOURS, REGIME_WORDS.values(), strict=True)
     for measure, colour, name in looks:
         curve(ax, d, "constraint_tilt", f"constraint_{measure}", colour, name)
-    ax.set(ylabel="share of touches", ylim=(0, 1.6))
 
 
 def _draw_company(ax, d):
@@ -111,7 +110,6 @@ def _draw_company(ax, d):
     curve(ax, d, "constraint_tilt", "constraint_shared", ANOTHER, "pushed")
     curve(ax, d, "constraint_tilt", "constraint_disturbed", SKY, f"kicked > {DISTURBED:.0%}")
     curve(ax, d, "appendix_a_tilt", "appendix_a_shared", PRINTED_LAW, "pushed, Appendix A")
-    ax.set(ylabel="share of touches", ylim=(0, 1.6))
 
 
 def _draw_residual(ax, d):
@@ -141,8 +139,8 @@ def draw(d: Data) -> plt.Figure:
     *over_tilt, gamma, lossy = axes.values()
     panels = {_draw_regimes: 0.64, _draw_company: 0.64, _draw_residual: 0.5}
     for ax, (panel, top) in zip(over_tilt, panels.items(), strict=True):
+        tilt_axis(ax, 0, 65, ylabel="share of touches", ylim=(0, 1.6))
         panel(ax, d)
-        tilt_axis(ax, 0, 65)
         ax.legend(loc="upper right")
         ax.axvline(d["reversal_tilt_deg"], 0, top, color="0.4", lw=0.8, ls=":")  # up to the legend
     _draw_shares(gamma, d, "gamma")

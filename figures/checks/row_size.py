@@ -24,7 +24,7 @@ from ..lib.runs import (
     starts,
     with_error,
 )
-from ..lib.style import Data, legend_above, note, painted, points, shades, style
+from ..lib.style import FAINT, Data, legend_above, note, painted, points, shades, style
 from .row_motion import averaged
 
 NEAR = 0.05  # part of the largest row's drift
@@ -76,9 +76,9 @@ def over_largest(d: Data) -> tuple[np.ndarray, np.ndarray]:
 def _over_count(ax, d, y: np.ndarray, error: np.ndarray):
     """Draw an array (sizes, tilts) over the number of rods, a line for each tilt."""
     tilts = d["nominal_deg"]
-    for i, (tilt, colour, form) in enumerate(zip(tilts, shades(len(tilts)), FORMS, strict=False)):
-        label = f"{tilt:g}°"
-        points(ax, d["count"], y[:, i], error[:, i], colour, form=form, label=label)
+    looks = zip(tilts, y.T, error.T, shades(len(tilts)), FORMS, strict=False)
+    for tilt, values, errors, colour, form in looks:
+        points(ax, d["count"], values, errors, colour, form=form, label=f"{tilt:g}°")
     ax.set(xscale="log", xlabel="number of rods")
     ax.set_xticks(d["count"], d["count"], minor=False)
     ax.set_xticks([], minor=True)
@@ -92,7 +92,7 @@ def _draw_drift(ax, d):
 
 def _draw_spread(ax, d):
     _over_count(ax, d, d["spread_deg"], d["spread_deg_error"])
-    ax.axhline(SEPARATED_DEG, color="0.5", lw=0.8, ls=":")
+    ax.axhline(SEPARATED_DEG, **FAINT)
     ax.set(ylabel="spread of tilts (deg)", yscale="log")
 
 
@@ -102,7 +102,7 @@ def draw(d: Data) -> plt.Figure:
         "drift over the largest row's": _draw_drift,
         "rods that lean unlike": _draw_spread,
     }
-    figure = painted(d, panels, rows=2, figsize=(3.4, 4.4), sharex=True)
+    figure = painted(d, panels, 4.4, 3.4, rows=2, sharex=True)
     top, _ = figure.axes
     top.set_xlabel("")
     legend_above(figure, top, ncols=3)

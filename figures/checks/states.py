@@ -240,6 +240,6 @@ def draw(d: Data) -> plt.Figure:
         "how long the first state lasts": _draw_lives,
         "tilt changed slowly": _draw_driven,
     }
-    figure = painted(d, panels, rows=2, figsize=(7.0, 5.0))
+    figure = painted(d, panels, 5.0, rows=2)
     note(figure, rf"$N={COUNT}$, $l={LENGTH}\,d$, 60 Hz; (c), (d): $\Gamma={GAMMA}$; {LAW_NAME}")
     return figure

@@ -79,7 +79,7 @@ def _beside(ax, d, name: str):
 @style
 def draw(d: Data) -> plt.Figure:
     panels = {title: partial(_beside, name=name) for name, title in TITLES.items()}
-    figure = painted(d, panels, rows=2, figsize=(4.2, 3.8))
+    figure = painted(d, panels, 3.8, 4.2, rows=2)
     for ax in figure.axes[:2]:
         ax.set(xlabel="")
     legend_above(figure, figure.axes[0], ncols=2)

@@ -42,9 +42,14 @@ def sweeps(quick: bool = False) -> runs.Sweeps:
     return fig04.sweeps(quick, assumed=True)
 
 
-def _shape(d: dict, name: str, key: str) -> Number:
+def _part(d: dict, name: str, key: str) -> float:
     """A number that `fig04.shape` gives of the drift over tilt."""
-    found = resampled(d, lambda d: fig04.shape(d[f"{name}_tilt"], d[f"{name}_c_x"])[key])
+    return fig04.shape(d[f"{name}_tilt"], d[f"{name}_c_x"])[key]
+
+
+def _shape(d: dict, name: str, key: str) -> Number:
+    """The same with its error."""
+    found = resampled(d, lambda d: _part(d, name, key))
     return among(found, d[f"{name}_tilt"]) if key in ("early", "late") else found
 
 
@@ -132,12 +137,12 @@ def plane_to_annulus(d):
     inside = (tilt >= max(plane_tilt.min(), 10)) & (tilt <= min(plane_tilt.max(), 45))
 
     def ratio(d):
-        still, plane = d["still_c_x"], d["plane_c_x"]
-        return np.interp(tilt[inside], plane_tilt, plane).sum() / still[inside].sum()
+        still = d["still_c_x"][inside].sum()
+        return np.interp(tilt[inside], plane_tilt, d["plane_c_x"]).sum() / still
 
     def smooth(d):
-        wall, plane = d["wall_c_x"], d["plane_c_x"]
-        return np.interp(smooth_tilt, plane_tilt, plane) / wall[0]
+        wall = d["wall_c_x"][0]
+        return np.interp(smooth_tilt, plane_tilt, d["plane_c_x"]) / wall
 
     return {"ratio": ratio, "smooth": smooth}
 
@@ -150,10 +155,8 @@ def rolling(d):
     between = (tilt > first) & (tilt < second)
 
     def kept(d):
-        still, rolling = (
-            fig04.shape(d[f"{name}_tilt"], d[f"{name}_c_x"])["dip"] for name in ("still", "rolling")
-        )
-        return rolling / still if still > 0 else np.nan
+        still = _part(d, "still", "dip")
+        return _part(d, "rolling", "dip") / still if still > 0 else np.nan
 
     def faster(d):
         still = d["still_c_x"][alike]

@@ -246,7 +246,7 @@ def relaxation(series: np.ndarray) -> tuple[float, float]:
     return fitted(best)[1], np.exp(best)
 
 
-def slow_start(scene: md.Scene, periods: int) -> dict[str, float]:
+def slow_start(scene: md.Scene, periods: int) -> Data:
     """How the drift of a row begins: stationary value [cm/s], periods to it, what lands how often.
 
     Starts carry no momentum along the plate, so that it begins at 0.

@@ -12,6 +12,7 @@ from impact import drift, landing_density, thin_rod
 from md.sweep import Sweep
 
 from ..lib.runs import SETTING, Read, drift_and_tilt, gathered, means
+from ..lib.style import Data
 from .limits import ONE_STATE_DEG, read
 from .uncertainty import Numbers, crossing, measures, rms
 
@@ -41,9 +42,7 @@ STORED = {  # name in a table: name in the store; landings: `landing_`, flight, 
 Table = Mapping[str, np.ndarray]
 
 
-def table(
-    sweep: Sweep, nominal: np.ndarray, own: bool = False, read: Read = gathered
-) -> dict[str, Any]:
+def table(sweep: Sweep, nominal: np.ndarray, own: bool = False, read: Read = gathered) -> Data:
     """Means over the starts of a sweep over tilt, with their standard errors; the theory's drift.
 
     The errors of drift and tilt are those between the starts or within them, whichever is larger.

@@ -116,7 +116,7 @@ def peak(d: Mapping, x: str, y: str) -> Number:
 
 def exponents(x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """d ln y/d ln x between neighbouring points; nan where y is not positive."""
-    with np.errstate(invalid="ignore", divide="ignore"):
+    with np.errstate(all="ignore"):
         found = np.diff(np.log(y)) / np.diff(np.log(x))
     return np.where(np.isfinite(found), found, np.nan)
 

@@ -54,7 +54,7 @@ def parts(series: np.ndarray, lengths: np.ndarray) -> np.ndarray:
     return found
 
 
-def long_run(scene: md.Scene, periods: int) -> dict[str, Any]:
+def long_run(scene: md.Scene, periods: int) -> Data:
     """Drift of a run behind `CUT` and of its parts, for `runs.planned`."""
     run = md.run(scene, periods=periods, ledger=False)
     if not run.finished:
@@ -157,7 +157,7 @@ def to_reach(d: Data, error: float) -> np.ndarray:
     """
     clear = np.abs(d["bias"]) > CLEAR_BIAS * d["bias_error"]
     room = error**2 - np.where(clear, d["bias"], 0.0) ** 2
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(all="ignore"):
         periods = d["noise"] ** 2 / room
     return np.where(room > 0, periods * d["seconds"], np.inf)
 
@@ -205,7 +205,7 @@ def _draw_runs(ax, d):
 @style
 def draw(d: Data) -> plt.Figure:
     panels = {"drift of the row": panel, "by tolerance, 95 %": _draw_runs}
-    figure = painted(d, panels, figsize=(7.0, 3.8))
+    figure = painted(d, panels, 3.8)
     times = zip(to_reach(d, 0.01), _looks(d), strict=True)
     one = [f"{time:.2g} s at {name}" for time, (_, name) in times]
     words = f"an error of 1 % (one standard error): {', '.join(one)}".replace("inf s", "never")

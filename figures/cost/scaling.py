@@ -153,6 +153,6 @@ def _draw_cores(ax, d):
 @style
 def draw(d: Data) -> plt.Figure:
     panels = {"a period": panel, "many runs": _draw_cores}
-    figure = painted(d, panels, figsize=(7.0, 2.7))
+    figure = painted(d, panels, 2.7)
     note(figure, machine_line(d))
     return figure

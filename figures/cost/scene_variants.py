@@ -7,21 +7,20 @@ friction or landings either; no contacts of rods: no box; and in an open box no 
 rod with the first).
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from copy import deepcopy
 from itertools import chain
 from math import degrees
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from md.host import Engine, prepare, step_of
 from md.scene import Scene, from_tables, put
 
-from ..lib.runs import FRICTION, GAMMA, RESTITUTION, SIMPLE_ROW
+from ..lib.runs import FRICTION, GAMMA, RESTITUTION, SIMPLE_ROW, Changes
 
 DIAGNOSTICS = frozenset(("ledger", "touches", "series"))
 STEP_SIZE = step_of(from_tables(SIMPLE_ROW))[0]  # of all variants
 TILT_DEG = degrees(from_tables(SIMPLE_ROW).tilt)
-Changes = Mapping[str, Any]
 
 
 class Variant(NamedTuple):

@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -27,20 +27,29 @@ from md.store import Store
 from md.sweep import Measure, Point, Sweep, execute, expand
 
 from .data import sources_of
-
-if TYPE_CHECKING:
-    from impact.bouncing import Bouncing
+from .style import Data
 
 COUNT, LENGTH, GAMMA, FRICTION, RESTITUTION = 40, 9.5, 3.3, 0.3, 0.65  # of Figs. 6-8 and 13
-SETTING: dict[str, Any] = {"friction": FRICTION, "restitution": RESTITUTION}  # of the theory
+SETTING: Data = {"friction": FRICTION, "restitution": RESTITUTION}  # of the theory
 BOX = 43.0  # length of the box where the tilt is not varied
 BOX_TILT = np.arccos(COUNT / BOX)  # rad
 PARTS = "plate", "rods"
+Changes = dict[str, Any]  # of a scene, by its keys
+Tables = Mapping[str, Any]  # of a scene
 
 
-def both(**options: Any) -> dict[str, Any]:
+def each(**options: tuple) -> Changes:
+    """Changes of a scene that give the contacts of plate and of rods options of their own."""
+    return {
+        f"contacts.{part}.{name}": values[i]
+        for i, part in enumerate(PARTS)
+        for name, values in options.items()
+    }
+
+
+def both(**options: Any) -> Changes:
     """Changes of a scene that give the contacts of plate and rods the same options."""
-    return {f"contacts.{part}.{key}": value for part in PARTS for key, value in options.items()}
+    return each(**{name: (value, value) for name, value in options.items()})
 
 
 SIMPLE = both(restitution=RESTITUTION, tangential_ratio=3)  # one law for plate and rods
@@ -52,19 +61,9 @@ LAW_OF = {  # plate, rods: of all simulated rows and annuli; chosen once among 3
     "tangential_ratio": (7.2, 0.68),
     "tangential_damping": (0.43, 0.28),
 }
-LAW = {
-    f"contacts.{part}.{name}": value
-    for name, pair in LAW_OF.items()
-    for part, value in zip(PARTS, pair, strict=True)
-}
-SECOND = {  # another of the best laws; stiffer, so dearer
-    "contacts.plate.restitution": 0.68,
-    "contacts.rods.restitution": 0.89,
-    "contacts.plate.tangential_ratio": 12,
-    "contacts.rods.tangential_ratio": 3.1,
-    "contacts.plate.tangential_damping": 0.73,
-    "contacts.rods.tangential_damping": 0.89,
-}
+LAW = each(**LAW_OF)
+# another of the best laws; stiffer, so dearer
+SECOND = each(restitution=(0.68, 0.89), tangential_ratio=(12, 3.1), tangential_damping=(0.73, 0.89))
 RESOLVED = {"step.size": "none", "step.coarse": "none"}  # the step suits the stiffest spring
 ROW = put(SIMPLE_ROW, LAW)
 LAW_NAME = "plate/rods: " + ", ".join(
@@ -102,8 +101,8 @@ PLACES = {"box": "a box", "annulus": "an annulus"}
 class Row:
     """A row or an annulus whose tilt is varied, and what its figures say of it."""
 
-    tables: Mapping[str, Any]  # of the scene
-    setting: Mapping[str, Any]  # friction and restitution of the plate, for the theory beside it
+    tables: Tables  # of the scene
+    setting: Data  # friction and restitution of the plate, for the theory beside it
     gamma: float  # peak acceleration of the plate, in g
     words: str
 
@@ -168,7 +167,7 @@ def _own(scene: str, place: str) -> Row:
     return Row(varied, setting, plate.acceleration, words)
 
 
-Function = Callable[[Any, int], dict[str, Any]]  # of scene and periods, for a measure
+Function = Callable[[Any, int], Data]  # of scene and periods, for a measure
 Sweeps = dict[str, Sweep]  # that a figure needs, by name
 STORE = Path("out/rows.db")  # of all runs; what `--store` of the commands sets
 
@@ -181,8 +180,8 @@ def boxes(tilt_deg: Iterable[float], count: int = COUNT) -> list[float]:
 def planned(
     axes: list[dict[str, list]],
     periods: int,
-    changes: Mapping[str, Any] | None = None,
-    base: Mapping[str, Any] = ROW,
+    changes: Changes | None = None,
+    base: Tables = ROW,
     measure: Function | None = None,
 ) -> Sweep:
     """A sweep along axes, seeds last; nothing is run.
@@ -196,7 +195,7 @@ def planned(
     measure : what to store in place of the results of `md.run`: a function, found by its name in
         its module, of scene and periods, which returns numbers and lists by name
     """
-    sweep = expand({"periods": periods, "axes": axes, "set": dict(changes or {})}, base)
+    sweep = expand({"periods": periods, "axes": axes, "set": changes or {}}, base)
     return sweep if measure is None else measured_by(sweep, measure)
 
 
@@ -245,7 +244,7 @@ def along_lean(sweep: Sweep, *names: str) -> list[np.ndarray]:
 def over_seeds(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Mean and standard error over the seeds, the last axis; nan where runs are missing."""
     found = np.isfinite(values).sum(axis=-1)
-    with np.errstate(invalid="ignore", divide="ignore"):
+    with np.errstate(all="ignore"):
         mean = np.nansum(values, axis=-1) / found
         off = np.nansum((values - mean[..., None]) ** 2, axis=-1)
         return mean, np.sqrt(off / (found - 1) / found)
@@ -263,14 +262,14 @@ def nearest(values: np.ndarray, value: float) -> int:
     return int(np.abs(values - value).argmin())
 
 
-def with_error(name: str, mean: np.ndarray, error: np.ndarray) -> dict[str, np.ndarray]:
+def with_error(name: str, mean: np.ndarray, error: np.ndarray) -> Data:
     """A mean by its name, and its standard error as `name_error`."""
     return {name: mean, f"{name}_error": error}
 
 
-def seed_means(results: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+def seed_means(results: Data) -> Data:
     """Means of arrays over the seeds, their last axis, with `name_error` beside them."""
-    found: dict[str, np.ndarray] = {}
+    found: Data = {}
     for name, values in results.items():
         found |= with_error(name, *over_seeds(values))
     return found
@@ -279,7 +278,7 @@ def seed_means(results: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
 Read = Callable[..., Iterable[np.ndarray]]  # `gathered` or `along_lean`
 
 
-def means(sweep: Sweep, names: Mapping[str, str], read: Read = gathered) -> dict[str, np.ndarray]:
+def means(sweep: Sweep, names: Mapping[str, str], read: Read = gathered) -> Data:
     """Means over seeds of results of a sweep, with `name_error` beside them."""
     return seed_means(dict(zip(names, read(sweep, *names.values()), strict=True)))
 
@@ -287,7 +286,7 @@ def means(sweep: Sweep, names: Mapping[str, str], read: Read = gathered) -> dict
 DRIFT_AND_TILT = "c_x_cm_s", "c_x_stderr_cm_s", "tilt_deg", "tilt_stderr_deg"  # of a run
 
 
-def drift_and_tilt(sweep: Sweep, prefix: str = "", read: Read = gathered) -> dict[str, np.ndarray]:
+def drift_and_tilt(sweep: Sweep, prefix: str = "", read: Read = gathered) -> Data:
     """Drift `c_x` [cm/s] and `tilt` [deg] of a sweep, with `larger_error`."""
     c_x, c_x_in, tilt, tilt_in = read(sweep, *DRIFT_AND_TILT)
     return {
@@ -308,7 +307,7 @@ def tilts(quick: bool) -> np.ndarray:
 
 def tilt_plan(
     quick: bool,
-    changes: Mapping[str, Any] | None = None,
+    changes: Changes | None = None,
     scene: str | None = None,
     seeds: dict[str, list] | None = None,
 ) -> Sweep:
@@ -328,14 +327,18 @@ def paper_rod(tilt: float | np.ndarray, length: float = LENGTH) -> ContactGeomet
     return spherocylinder(tilt, length)._replace(k=length / np.sqrt(12))
 
 
-def lone(quick: bool, scene: str | None = None) -> tuple[np.ndarray, list["Bouncing"]]:
-    """Tilts [deg], and `bounce` there: one rigid rod at fixed tilt, the theory without closure."""
-    return _lone(quick, scene, row_of(scene).scene.digest())
+def lone(field: str, quick: bool, scene: str | None = None) -> tuple[np.ndarray, np.ndarray]:
+    """Tilts [deg], and means there of one field of `bounce`: one rigid rod at fixed tilt.
+
+    This is the theory without its closure.
+    """
+    tilt_deg, runs = _lone(quick, scene, row_of(scene).scene.digest())
+    return tilt_deg, np.array([getattr(run, field).mean for run in runs])
 
 
 @cache
-def _lone(quick: bool, scene: str | None, _: str) -> tuple[np.ndarray, list["Bouncing"]]:
-    """Result of `lone`, kept by the digest of the scene: its file may be edited meanwhile."""
+def _lone(quick: bool, scene: str | None, _: str) -> tuple[np.ndarray, list]:
+    """Tilts and runs of `lone`, kept by the digest of the scene: its file may be edited."""
     from impact.bouncing import bounce  # compiles
 
     row, tilt_deg = row_of(scene), np.arange(0, 76, 5 if quick else 2.5)

@@ -61,6 +61,7 @@ LAW_COLOURS = {"newton": THEORY, "poisson": ORANGE, "stronge": SKY}  # of restit
 RESTITUTION_LAWS = tuple(LAW_COLOURS)
 ARROW: Look = {"arrowstyle": "->", "lw": 0.6}
 DOTTED: Look = {"color": BLACK, "lw": 0.8, "ls": ":"}  # a place on an axis that the caption names
+FAINT: Look = {"color": "0.5", "lw": 0.8, "ls": ":"}
 GUIDE: Look = {"color": "0.55", "lw": 0.8}  # a line beside what is measured
 CENTRED: Look = {"ha": "center", "va": "center"}
 SHAPES = {"thin": "thin rod", "round": "round tips", "flat": "flat ends"}
@@ -70,8 +71,10 @@ SHAPE_COLOURS = {"thin": THEORY, "round": RIGID, "flat": PURPLE}
 WARM = LinearSegmentedColormap.from_list("warm", ["#FFFFFF", ORANGE, RED])
 
 
-def tilt_axis(ax: Axes, low: float = 0, high: float = 90, step: float = 15) -> None:
-    ax.set(xlabel=r"tilt $\phi$ (deg)", xlim=(low, high), xticks=np.arange(low, high + 1, step))
+def tilt_axis(ax: Axes, low: float = 0, high: float = 90, step: float = 15, **look: Any) -> None:
+    """Let a panel be over tilts in degrees; `look`: what else is set, as the name of its height."""
+    ticks = np.arange(low, high + 1, step)
+    ax.set(xlabel=r"tilt $\phi$ (deg)", xlim=(low, high), xticks=ticks, **look)
 
 
 def name_panels(axes: Iterable[Axes], titles: Iterable[str]) -> None:
@@ -81,7 +84,12 @@ def name_panels(axes: Iterable[Axes], titles: Iterable[str]) -> None:
 
 
 def painted(
-    d: Data, panels: Mapping[str, Callable[[Axes, Data], None]], rows: int = 1, **look: Any
+    d: Data,
+    panels: Mapping[str, Callable[[Axes, Data], None]],
+    height: float,
+    width: float = 7.0,
+    rows: int = 1,
+    **look: Any,
 ) -> Figure:
     """Figure of panels, each drawn by its function, under its title.
 
@@ -89,10 +97,11 @@ def painted(
     ----------
     d : data
     panels : functions by title, row by row
+    height, width : of the figure, in inches
     rows : of panels
     look : of the figure, as `plt.subplots` takes it
     """
-    figure, axes = plt.subplots(rows, len(panels) // rows, **look)
+    figure, axes = plt.subplots(rows, len(panels) // rows, figsize=(width, height), **look)
     for ax, panel in zip(axes.flat, panels.values(), strict=True):
         panel(ax, d)
     name_panels(axes.flat, panels)

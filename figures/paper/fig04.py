@@ -10,8 +10,7 @@ begin to move; open: 44 rods between walls at rest, while else walls and plate s
 its first point, no friction.
 """
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -28,7 +27,9 @@ from ..lib.runs import (
     ROW,
     SIMPLE_ANNULUS,
     SIMPLE_ROW,
+    Changes,
     Sweeps,
+    Tables,
     annulus_of,
     boxes,
     drift_and_tilt,
@@ -39,6 +40,7 @@ from ..lib.runs import (
 from ..lib.style import (
     ANOTHER,
     BLACK,
+    FAINT,
     ORANGE,
     PURPLE,
     SKY,
@@ -79,8 +81,8 @@ def over_count(
     counts: Sequence[int],
     seeds: int,
     periods: int,
-    base: Mapping[str, Any],
-    changes: Mapping[str, Any] | None = None,
+    base: Tables,
+    changes: Changes | None = None,
 ) -> Sweep:
     """Sweep of annuli over the number of rods, which sets the tilt, and starts."""
     axes = [{"rods.count": [*counts]}, starts(seeds)]
@@ -160,9 +162,8 @@ def _over_tilt(ax, d):
         words = "gap for 53° at most"
         curve(ax, d, "narrow_tilt", "narrow_c_x", PURPLE, words, form="^:", both=True)
         for tilt in MAXIMA_DEG:
-            ax.axvline(tilt, 0, 0.6, color="0.5", lw=0.8, ls=":")  # up to the legend
-    tilt_axis(ax, 0, 60)
-    ax.set_ylim(None, 1.4 * d["rolling_c_x"].max())
+            ax.axvline(tilt, 0, 0.6, **FAINT)  # up to the legend
+    tilt_axis(ax, 0, 60, ylim=(None, 1.4 * d["rolling_c_x"].max()))
     ax.legend()
 
 
@@ -173,7 +174,7 @@ def _over_gamma(ax, d):
         curve(ax, d, "gamma", "gamma_c_x", colour, label, at=(..., i))
     resting = f"$N={d['many']}$, walls at rest"
     curve(ax, d, "gamma", "rest_gamma_c_x", BLACK, resting, form="o--", hollow=True)
-    ax.axvline(ONSET_FIG4, 0, 0.55, color="0.5", lw=0.8, ls=":")  # up to the legend
+    ax.axvline(ONSET_FIG4, 0, 0.55, **FAINT)  # up to the legend
     ax.set(xlabel=r"acceleration $\Gamma$", xlim=(1, None))
     ax.legend(loc="upper left")
 
@@ -199,8 +200,8 @@ def draw(d: Data) -> plt.Figure:
     plate = d["plate"]
     smallest = plate[plate > 0].min()
     e.set_xscale("symlog", linthresh=smallest, linscale=0.4)
-    e.set_xlabel(r"friction of the plate $\mu_{rb}$ (0 at the left end)")
-    e.set_xlim(-smallest / 4, 1.2 * plate.max())
+    words = r"friction of the plate $\mu_{rb}$ (0 at the left end)"
+    e.set(xlabel=words, xlim=(-smallest / 4, 1.2 * plate.max()))
     for ax in axes.flat:
         zero_line(ax)
         ax.set_ylabel(r"drift $c_x$ (cm/s)")
@@ -211,7 +212,7 @@ def draw(d: Data) -> plt.Figure:
     return figure
 
 
-def shape(tilt: np.ndarray, c_x: np.ndarray) -> dict[str, float]:
+def shape(tilt: np.ndarray, c_x: np.ndarray) -> Data:
     """What Fig. 4(a) is said to show, as numbers.
 
     early, late : tilts of the largest drift below and beyond the middle of the paper's two maxima

@@ -52,7 +52,7 @@ def data(quick: bool = False, scene: str | None = None) -> Data:
         late = film.time >= TRANSIENT
         heights.append(rods.diameter_cm * film.tips[late][:, drawn])
         time, plate = film.time[late] - TRANSIENT, rods.diameter_cm * film.plate[late]
-    lone_deg, bounces = lone(quick, scene)
+    lone_deg, lone_flight = lone("flight", quick, scene)
     return {
         "time": time,
         "plate": plate,
@@ -60,7 +60,7 @@ def data(quick: bool = False, scene: str | None = None) -> Data:
         **means(tilt_plan(quick, scene=scene), FLIGHT_MEANS, along_lean),
         "words": row.words,
         "lone_deg": lone_deg,
-        "lone_flight": np.array([each.flight.mean for each in bounces]),
+        "lone_flight": lone_flight,
     }
 
 
@@ -91,9 +91,8 @@ def draw(d: Data) -> plt.Figure:
     curve(c, d, "tilt_deg", "landing_flight", BLACK, left_out, form="s-", hollow=True)
     c.axhline(1, color="0.5", lw=0.6)
     c.axvline(CHANGE_DEG, **DOTTED, label="the paper: one period from here")
-    tilt_axis(c, 0, 80, 20)
     top = 1.5 * max(d["lone_flight"].max(), np.nanmax(d["landing_flight"]))
-    c.set(ylabel="mean flight (periods)", ylim=(0, top))
+    tilt_axis(c, 0, 80, 20, ylabel="mean flight (periods)", ylim=(0, top))
     c.legend(loc="upper right")
     name_panels((a, b, c), (*titles, "length of flights"))
     note(figure, d["words"])

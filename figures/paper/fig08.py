@@ -27,6 +27,7 @@ from ..lib.runs import (
 from ..lib.style import BLACK, RIGID, THEORY, Data, curve, name_panels, note, style, tilt_axis
 
 BINS_DRAWN = 32  # drawn; the store has 64
+FALLING_MEANS = {"tilt_deg": "tilt_deg", "landing_falling": "landings.falling.mean"}
 EXPECTED = 0.5 - 1 / np.pi  # part of H = (1 + cos(theta))/2 pi while the plate falls
 
 
@@ -50,20 +51,16 @@ def data(quick: bool = False, scene: str | None = None) -> Data:
     sweep = tilt_plan(quick, scene=scene)
     (counts,) = gathered(sweep, "phases")  # (tilts, seeds, 64)
     shown = np.searchsorted(tilts(quick), SHOWN_DEG)
-    lone_deg, bounces = lone(quick, scene)
+    lone_deg, lone_falling = lone("falling", quick, scene)
     return {
         "words": row_of(scene).words,
         "shown_deg": np.array(SHOWN_DEG),
         "phase": 2 * np.pi * (np.arange(BINS_DRAWN) + 0.5) / BINS_DRAWN,
         **with_error("density", *over_seeds(np.moveaxis(densities(counts[shown]), 1, -1))),
         **with_error("falling", *over_seeds(falling(counts))),
-        **means(
-            sweep,
-            {"tilt_deg": "tilt_deg", "landing_falling": "landings.falling.mean"},
-            along_lean,
-        ),
+        **means(sweep, FALLING_MEANS, along_lean),
         "lone_deg": lone_deg,
-        "lone_falling": np.array([each.falling.mean for each in bounces]),
+        "lone_falling": lone_falling,
     }
 
 
@@ -93,9 +90,8 @@ def draw(d: Data) -> plt.Figure:
     curve(last, d, "tilt_deg", "falling", BLACK, "touches")
     curve(last, d, "tilt_deg", "landing_falling", BLACK, "landings", form="s-", hollow=True)
     last.plot(d["lone_deg"], d["lone_falling"], color=RIGID, lw=0.8, label="one rigid rod")
-    tilt_axis(last, 0, 80, 20)
-    last.set_ylim(-0.02, 1.8 * max(d["lone_falling"].max(), d["landing_falling"].max()))
-    last.set_ylabel("share of the landings")
+    high = 1.8 * max(d["lone_falling"].max(), d["landing_falling"].max())
+    tilt_axis(last, 0, 80, 20, ylabel="share of the landings", ylim=(-0.02, high))
     last.legend(loc="upper right", ncols=2)
     titles = [rf"$\phi={tilt:.0f}$°" for tilt in d["shown_deg"]]
     name_panels(axes.flat, [*titles, "share on the way down"])

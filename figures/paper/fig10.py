@@ -79,8 +79,7 @@ def draw(d: Data) -> plt.Figure:
         ax.plot(90, 0.6, "kx", ms=6, clip_on=False, label=r"as printed: 3/5 at 90°")
         if "marked" in d:
             ax.axhline(d["marked"], color=RIGID, ls=":", label=rf"$\mu={d['marked']:g}$")
-        tilt_axis(ax)
-        ax.set(ylim=(0, 1))
+        tilt_axis(ax, ylim=(0, 1))
     name_panels(axes, [rf"$-c_z/c_x={ratio:g}$" for ratio in d["approach_ratio"]])
     axes[0].set_ylabel(r"friction $\mu$")
     legend_above(figure, axes[2], ncols=5)

@@ -97,9 +97,8 @@ def _end(ax, d):
 def draw(d: Data) -> plt.Figure:
     figure, ax = plt.subplots(figsize=(5.0, 3.6))
     _curves(ax, d)
-    tilt_axis(ax)
     highest = min(np.nanmax([d["c_x"], d["c_z"]]), HIGHEST)
-    ax.set(ylabel=r"velocity / $V_z$", ylim=(0, 1.35 * highest))
+    tilt_axis(ax, ylabel=r"velocity / $V_z$", ylim=(0, 1.35 * highest))
     edges = critical_deg(d)
     if edges.size and edges[-1] < 89.9:  # else too narrow to see
         _end(ax, d)

@@ -125,8 +125,7 @@ def _draw_velocities(ax, d, i: int):
             mew=0.7,
             label=f"${part}'$, simulated",
         )
-    ax.set(ylabel=r"velocity / $|c_z|$", ylim=(-1.2, 1.3))
-    tilt_axis(ax)
+    tilt_axis(ax, ylabel=r"velocity / $|c_z|$", ylim=(-1.2, 1.3))
 
 
 def _draw_restitution(ax, d):
@@ -135,9 +134,8 @@ def _draw_restitution(ax, d):
         ax.plot(np.degrees(d["tilt"]), e, color=CONTACT_COLOURS[law], lw=lw, label=words)
     for (law, colour), e in zip(LAW_COLOURS.items(), d["line_restitution"], strict=True):
         ax.plot(np.degrees(d["line_tilt"]), e, "--", color=colour, lw=1, label=law.title())
-    ax.set(ylabel=r"restitution $-v_f/v_0$", ylim=(None, 1.45))
+    tilt_axis(ax, ylabel=r"restitution $-v_f/v_0$", ylim=(None, 1.45))
     ax.legend(ncols=2, loc="upper center")
-    tilt_axis(ax)
 
 
 def _draw_off(ax, d):
@@ -145,9 +143,8 @@ def _draw_off(ax, d):
     for (law, colour), off in zip(LAW_COLOURS.items(), d["off"], strict=True):
         ax.plot(deg, off, "--", color=colour, label=rf"{law.title()}, $\epsilon={d['epsilon']:g}$")
     ax.plot(deg, d["off_measured"], color=RIGID, label=r"Newton, measured $\epsilon$")
-    ax.set(yscale="log", ylim=(3e-5, 3), ylabel=r"$|\Delta\mathbf{c}'|/|c_z|$")
+    tilt_axis(ax, yscale="log", ylim=(3e-5, 3), ylabel=r"$|\Delta\mathbf{c}'|/|c_z|$")
     ax.legend(ncols=2, loc="upper center")
-    tilt_axis(ax)
 
 
 @style
@@ -158,7 +155,7 @@ def draw(d: Data) -> plt.Figure:
         "measured restitution": _draw_restitution,
         "simulated (a) from theory": _draw_off,
     }
-    figure = painted(d, panels, rows=2, figsize=(7.0, 5.8))
+    figure = painted(d, panels, 5.8, rows=2)
     first, *_ = figure.axes
     for number, word in REGIME_WORDS.items():
         here = np.degrees(d["line_tilt"][d["line_regime"] == number])

@@ -136,8 +136,7 @@ def _over_tilt(ax, d):
     fine_deg, half = np.degrees(d["fine"]), d["speed"] / 2
     ax.plot(fine_deg, half * d["thin"], color=THEORY, label=r"theory, thin, $V_0/2$")
     ax.plot(fine_deg, half * d["thick"], "--", color=ORANGE, label=r"theory, $l$, $V_0/2$")
-    tilt_axis(ax, step=30)
-    ax.set_ylabel(r"drift $c_x$ (cm/s)")
+    tilt_axis(ax, step=30, ylabel=r"drift $c_x$ (cm/s)")
     if "tilt_c_x" not in d:
         return
     curve(ax, d, "tilt_tilt", "tilt_c_x", label="simulated", form="o")
@@ -191,7 +190,7 @@ def draw(d: Data) -> plt.Figure:
         rf"$L={BOX:g}\,d$": _over_gamma,
         rf"$L={BOX_OF_LENGTHS}\,d$, $\Gamma={GAMMA_OF_LENGTHS}$": _over_length,
     }
-    figure = painted(d, panels, figsize=(7.0, 3.4))
+    figure = painted(d, panels, 3.4)
     for ax in figure.axes:
         zero_line(ax)
     legend_above(figure, figure.axes[0], ncols=3)
@@ -207,7 +206,7 @@ def _slope(x: np.ndarray, y: np.ndarray, error: np.ndarray) -> tuple[float, floa
     return slope, np.sqrt(cover[0, 0] * scale), -at / slope
 
 
-def fits(d: Data) -> dict[str, float]:
+def fits(d: Data) -> Data:
     """What the paper says of the drift over Gamma, as numbers.
 
     power : exponent of c_x over Gamma - 1 below 1.5; line_ : c_x(Gamma) from 2 on

@@ -76,7 +76,7 @@ def data(
     fine = np.append(1 + np.geomspace(1e-4, 0.1, 30), np.linspace(1.11, np.hypot(1, np.pi)))
     inelastic = bounced(0.0, fine, length, friction=friction, restitution=0.0, landings=1)
     flat = spherocylinder(np.pi / 2, length)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(all="ignore"):
         again = np.arcsin(np.sqrt(restitution) * flat.k / flat.X)
     return {
         "tilt": tilts,

@@ -16,6 +16,8 @@ the contact of a slipping rod is pressed into the plate, Painlevé's paradox; do
 thin rod, 4/3.
 """
 
+from typing import Any
+
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -85,7 +87,7 @@ def data(
     usual = 0.65 if restitution is None else restitution
     setting = {"friction": np.append(frictions, np.inf)[:, None], "restitution": usual}
     steady = drift(rod, **setting)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(all="ignore"):
         half = np.arcsin(np.sqrt(function("V: tilt of one half")(restitutions)))
         cost = 1 / np.abs(steady.c_x)
     shown = steady.regime == Regime.SLIP_REVERSAL
@@ -151,12 +153,11 @@ def _closure(ax, d):
         ax.plot(tilt_deg, d["consistent"][row], color=colour, label=label)
         ax.plot(tilt_deg, d["slower"][row], "--", color=colour)
         ax.plot(half[row], 0.5, "o", color=colour)
-    tilt_axis(ax, 0, 60)
-    ax.set(ylabel=r"$\alpha=V_z/V_0$", ylim=(0, 0.8))
+    tilt_axis(ax, 0, 60, ylabel=r"$\alpha=V_z/V_0$", ylim=(0, 0.8))
     ax.legend(title=r"restitution $\epsilon$", loc="lower right")
 
 
-def _regimes(ax, d, name: str, frictions: int):
+def _regimes(ax, d, name: str, frictions: int, **look: Any):
     """Draw slip-stick in black; in colour the smallest frictions where they reverse."""
     tilt_deg = np.degrees(d["tilt"])
     ax.plot(tilt_deg, d[name][-1], color=BLACK, label="slip-stick")
@@ -164,19 +165,18 @@ def _regimes(ax, d, name: str, frictions: int):
     rows = zip(d[name], mus[:frictions], shades(len(mus)), FORMS, strict=False)
     for y, mu, colour, form in rows:
         ax.plot(tilt_deg, y, form, color=colour, label=rf"reversal, $\mu={mu:g}$")
-    tilt_axis(ax)
+    tilt_axis(ax, **look)
     ax.legend()
 
 
 def _landings(ax, d):
-    _regimes(ax, d, "landings", 2)
-    ax.set(ylabel="landings to fall by $e$", ylim=(0, 11))
+    _regimes(ax, d, "landings", 2, ylabel="landings to fall by $e$", ylim=(0, 11))
 
 
 def _cost(ax, d):
-    _regimes(ax, d, "cost", 3)
+    words = "work / (weight × distance)"
+    _regimes(ax, d, "cost", 3, ylabel=words, yscale="log", ylim=(0.2, 100))
     ax.scatter(np.degrees(d["best_tilt"]), d["best_cost"], s=16, c=BLACK, zorder=3)
-    ax.set(ylabel="work / (weight × distance)", yscale="log", ylim=(0.2, 100))
 
 
 def _painleve(ax, d):
@@ -185,8 +185,7 @@ def _painleve(ax, d):
     for friction, name, shape, form in zip(d["painleve"], names, shapes, forms, strict=True):
         ax.plot(np.degrees(d["tilt"]), friction, form, color=SHAPE_COLOURS[shape], label=name)
     ax.plot(np.degrees(np.arctan(0.5)), 4 / 3, "o", color=BLACK)
-    tilt_axis(ax)
-    ax.set(ylabel=r"friction $\mu_P$", ylim=(0, 8))
+    tilt_axis(ax, ylabel=r"friction $\mu_P$", ylim=(0, 8))
     ax.legend(loc="upper center", handlelength=1.6)
 
 
@@ -200,6 +199,6 @@ def draw(d: Data) -> plt.Figure:
         "cost of transport": _cost,
         "Painlevé's friction": _painleve,
     }
-    figure = painted(d, panels, rows=2, figsize=(7.0, 5.4))
+    figure = painted(d, panels, 5.4, rows=2)
     note(figure, rf"(d, e): $\epsilon={d['restitution']:g}$")
     return figure

@@ -43,7 +43,7 @@ TOLD = {"va": "center", "color": FLAT, "arrowprops": {**ARROW, "color": FLAT}}
 LINES = {"thin": "-.", "round": "-", "flat": "-"}
 
 
-def _bounced(quick: bool, length: float, setting: dict[str, float]) -> Data:
+def _bounced(quick: bool, length: float, setting: Data) -> Data:
     """Drift of repeated impacts at held tilt, in V_0; mean over Gamma and standard error."""
     gammas = np.linspace(2, 4, 5 if quick else 21)
     tilts = np.radians([1, 5, 8, 15, 28, 60] if quick else [*range(1, 12), *range(12, 61, 2)])
@@ -151,8 +151,7 @@ def _over_tilt(ax, d):
     words = rf"$\arctan(d/l)$ = {threshold_deg:.3f}°"
     ax.annotate(words, (threshold_deg, 0), (16, -0.33 * limit), **TOLD)
     ax.text(OBSERVED_DEG + 1, -0.94 * limit, "experiment: flat\nends drift above 8°", color=GREEN)
-    ax.set(ylabel=r"drift $c_x/V_z$", ylim=(-limit, limit))
-    tilt_axis(ax, -20, 60, 10)
+    tilt_axis(ax, -20, 60, 10, ylabel=r"drift $c_x/V_z$", ylim=(-limit, limit))
 
 
 def _over_length(ax, d):
@@ -177,16 +176,14 @@ def _over_bounces(ax, d):
         curve(ax, d, "deg", f"{kind}_bounced", SHAPE_COLOURS[kind])
     _marks(ax, d)
     ax.text(0.97, 0.95, r"mean over $\Gamma$", transform=ax.transAxes, ha="right", va="top")
-    ax.set_ylabel(r"drift $c_x/V_0$")
-    tilt_axis(ax, 0, 60, 10)
+    tilt_axis(ax, 0, 60, 10, ylabel=r"drift $c_x/V_0$")
 
 
 def _one(ax, d):
     _cut(ax, d["rigid_tilt"], d["rigid"], "-", FLAT)
     ax.plot([], [], color=FLAT, label="the map")
     ax.plot(np.degrees(d["soft_tilt"]), d["soft"], "o", color=BLACK, ms=2.5, label="soft impact")
-    ax.set_ylabel(r"$c_x'/|c_z|$, from $c_x=0$")
-    tilt_axis(ax, -15, 15, 5)
+    tilt_axis(ax, -15, 15, 5, ylabel=r"$c_x'/|c_z|$, from $c_x=0$")
     ax.legend(loc="lower right")
 
 
@@ -199,7 +196,7 @@ def draw(d: Data) -> plt.Figure:
         f"repeated impacts, {length}": _over_bounces,
         f"one impact, {length}": _one,
     }
-    figure = painted(d, panels, 2, figsize=(7.0, 5.6))
+    figure = painted(d, panels, 5.6, rows=2)
     for ax in figure.axes:
         zero_line(ax)
     return figure
