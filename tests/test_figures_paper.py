@@ -8,6 +8,7 @@ import pytest
 from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal
 
+import figures
 import md
 from derivations import function
 from figures.lib import arrangement, runs
@@ -30,6 +31,20 @@ from .quick_figures import MOST_PERIODS, OWN_VALUES, check_figure, data, each_of
 @each_of("paper")
 def test_every_figure(name):
     check_figure(name)
+
+
+OF_RUNS = "fig02 fig04 fig05 fig06 fig07 fig08 fig13 phase_friction row_size states closure"
+
+
+@pytest.mark.parametrize("name", OF_RUNS.split())
+def test_a_place_whose_runs_are_lost_is_left_out_of_the_picture(name):
+    d = dict(data(name))
+    for key in [key for key in d if f"{key}_error" in d]:
+        for part in (key, f"{key}_error"):
+            d[part] = np.array(d[part], float)
+            d[part][0] = np.nan
+    with tiny():
+        figures.load(name).draw(d).canvas.draw()
 
 
 # Figs. 10 and 11: the theory
@@ -218,6 +233,8 @@ def test_fits_find_what_was_put_in():
     f = fig13.fits(d)
     assert f["power"] == pytest.approx(1.5, abs=1e-6)
     assert (f["line_slope"], f["line_from"]) == pytest.approx((2.5, 1.3))
+    lost = {**d, "gamma_c_x": np.where(gamma == 4, np.nan, c_x)}
+    assert fig13.fits(lost)["line_slope"] == pytest.approx(2.5)
     in_mm = fig13.fits(d | {name: 10 * d[name] for name in ("gamma_c_x", "gamma_c_x_error")})
     assert in_mm["power_error"] == pytest.approx(f["power_error"])
 

@@ -109,7 +109,7 @@ def draw(d: Data) -> plt.Figure:
     c.axvline(d["critical"], 0, 0.67, color=BLACK, lw=0.8)
     zero_line(c)
     c.set(xscale="log", xlabel=r"friction $\mu$ of the plate", ylabel=r"$c_x$ (cm/s)")
-    c.set_ylim(min(0, 1.1 * np.nanmin(d["c_x"][:, cut])), 1.35 * max(scaled.max(), top))
+    c.set_ylim(min(0, 1.1 * np.nanmin(d["c_x"][:, cut])), 1.35 * max(np.nanmax(scaled), top))
     c.legend(loc="upper left")
     row = rf"$L={BOX:g}\,d$ ($\phi={d['nominal_deg']:.1f}$°), $\Gamma={GAMMA}$, $l={LENGTH}\,d$"
     note(figure, f"{row}, 60 Hz; {LAW_NAME}")

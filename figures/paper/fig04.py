@@ -163,7 +163,7 @@ def _over_tilt(ax, d):
         curve(ax, d, "narrow_tilt", "narrow_c_x", PURPLE, words, form="^:", both=True)
         for tilt in MAXIMA_DEG:
             ax.axvline(tilt, 0, 0.6, **FAINT)  # up to the legend
-    tilt_axis(ax, 0, 60, ylim=(None, 1.4 * d["rolling_c_x"].max()))
+    tilt_axis(ax, 0, 60, ylim=(None, 1.4 * np.nanmax(d["rolling_c_x"])))
     ax.legend()
 
 

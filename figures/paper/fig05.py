@@ -98,7 +98,7 @@ def draw(d: Data) -> plt.Figure:
     curve(beside, d, "mean", "contrast", ANOTHER, "contrast of tilts", form="s--", both=True)
     zero_line(c)
     c.set(xlabel=r"mean tilt $\phi$ (deg)", ylabel="order, share", ylim=(-0.1, 1.7))
-    beside.set_ylim(*np.array([-0.1, 1.7]) * 1.2 * d["contrast"].max())
+    beside.set_ylim(*np.array([-0.1, 1.7]) * 1.2 * np.nanmax(d["contrast"]))
     beside.set_ylabel("contrast (deg)", color=ANOTHER)
     beside.tick_params(colors=ANOTHER)
     c.legend(handles=c.containers + beside.containers, loc="upper right")

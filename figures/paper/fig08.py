@@ -67,7 +67,7 @@ def data(quick: bool = False, scene: str | None = None) -> Data:
 @style
 def draw(d: Data) -> plt.Figure:
     figure, axes = plt.subplots(2, 3, figsize=(7.0, 4.8))
-    fine, top = np.linspace(0, 360, 361), 1.12 * (d["density"] + d["density_error"]).max()
+    fine, top = np.linspace(0, 360, 361), 1.12 * np.nanmax(d["density"] + d["density_error"])
     *panels, last = axes.flat
     for ax, density, error in zip(panels, d["density"], d["density_error"], strict=True):
         ax.axvspan(90, 270, color="0.93", lw=0)
@@ -90,7 +90,7 @@ def draw(d: Data) -> plt.Figure:
     curve(last, d, "tilt_deg", "falling", BLACK, "touches")
     curve(last, d, "tilt_deg", "landing_falling", BLACK, "landings", form="s-", hollow=True)
     last.plot(d["lone_deg"], d["lone_falling"], color=RIGID, lw=0.8, label="one rigid rod")
-    high = 1.8 * max(d["lone_falling"].max(), d["landing_falling"].max())
+    high = 1.8 * max(d["lone_falling"].max(), np.nanmax(d["landing_falling"]))
     tilt_axis(last, 0, 80, 20, ylabel="share of the landings", ylim=(-0.02, high))
     last.legend(loc="upper right", ncols=2)
     titles = [rf"$\phi={tilt:.0f}$°" for tilt in d["shown_deg"]]

@@ -144,7 +144,7 @@ def _over_tilt(ax, d):
     curve(ax, d, "second_tilt", "second_c_x", ANOTHER, words, hollow=True, form="^")
     measured = d["thick_at_tilts"] * d["tilt_V_z"] * d["speed"]
     ax.plot(d["tilt_deg"], measured, label=r"theory, $l$, measured $V_z$", **MEASURED)
-    ax.set_ylim(-0.5, 1.1 * max(measured.max(), 15))
+    ax.set_ylim(-0.5, 1.1 * max(np.nanmax(measured), 15))
 
 
 def _over_gamma(ax, d):
@@ -161,7 +161,7 @@ def _over_gamma(ax, d):
     x = np.array([fit["line_start"], gamma[-1]])
     ax.plot(x, fit["line_slope"] * (x - fit["line_from"]), color="0.5", label="fit from 2 on")
     ax.legend(loc="upper right")
-    ax.set_ylim(-0.5, 2.2 * d["gamma_c_x"].max())
+    ax.set_ylim(-0.5, 2.2 * np.nanmax(d["gamma_c_x"]))
     inset = ax.inset_axes([0.2, 0.62, 0.25, 0.22])
     curve(inset, d, "gamma", "gamma_tilt", ms=2, form="o")
     nominal = np.degrees(BOX_TILT)
@@ -179,7 +179,7 @@ def _over_length(ax, d):
     curve(ax, d, "jammed_length", "jammed_c_x", label="from rest", hollow=True, form="o")
     measured = d["thick_at_lengths"] * d["length_V_z"] * d["speed_c"]
     ax.plot(d["length"], measured, **MEASURED)
-    ax.set_ylim(-0.4, 1.4 * measured.max())
+    ax.set_ylim(-0.4, 1.4 * np.nanmax(measured))
     ax.legend(loc="upper right")
 
 
@@ -214,7 +214,7 @@ def fits(d: Data) -> Data:
     gamma, c_x = d["gamma"], d["gamma_c_x"]
     error = d["gamma_c_x_error"]
     near = (gamma < 1.5) & (c_x > 3 * error)
-    far = gamma >= 2
+    far = (gamma >= 2) & np.isfinite(c_x)
     power, power_error = np.nan, np.nan
     if near.sum() >= 3:
         relative = np.fmax(error / np.abs(c_x), 0.02)[near]
