@@ -13,6 +13,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import PathCollection
 from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
 
 from ..claims.any_rods import JUDGED, data, judged, kept, sweeps, told
 from ..lib.style import DRIFTS, SKY, Data, name_panels, style
@@ -30,7 +31,7 @@ def _over_restitution(ax, d, colour: np.ndarray, **look: Any) -> PathCollection:
 
 
 @style
-def draw(d: Data) -> plt.Figure:
+def draw(d: Data) -> Figure:
     figure = plt.figure(figsize=(7.0, 7.6))
     top, bottom = figure.subfigures(2, 1, height_ratios=(1, 2))
     left, right = top.subplots(1, 2)
@@ -55,7 +56,12 @@ def draw(d: Data) -> plt.Figure:
         if of := found[name]["follows"]:
             words = f"{of['property']} ({of['rank']:+.2f})".replace("-", "−")
             ax.text(1.34, i, words, va="center", ha="right")
-    ax.set(xlabel="share of the kinds of rods for which it holds", xlim=(0, 1.35), yticks=[])
-    ax.set(xticks=np.linspace(0, 1, 6), ylim=(-0.8, len(names) - 0.2))
+    ax.set(
+        xlabel="share of the kinds of rods for which it holds",
+        xlim=(0, 1.35),
+        xticks=np.linspace(0, 1, 6),
+        ylim=(-0.8, len(names) - 0.2),
+        yticks=[],
+    )
     name_panels((left, right, ax), ("drift", "verdicts", "statements"))
     return figure

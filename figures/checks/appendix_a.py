@@ -18,6 +18,7 @@ from math import sqrt
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 
 import md
 from md.laws import STIFFNESS, deepest_overlap
@@ -122,9 +123,8 @@ def miss(restitution: np.ndarray) -> np.ndarray:
 
 def _draw_tilts(ax, d, where: int):
     ax.axhspan(*CLAIMED, color="0.85", lw=0)
-    curves = zip(MASSES, d["restitution"][where, :, 0], COLOURS, WIDE, strict=True)
-    for mass, e, colour, lw in curves:
-        ax.plot(np.degrees(d["tilt"]), e, color=colour, lw=lw, label=mass)
+    ax.set_prop_cycle(color=COLOURS, lw=WIDE)
+    ax.plot(np.degrees(d["tilt"]), d["restitution"][where, :, 0].T, label=[*MASSES])
     tilt_axis(ax, step=30, ylim=(0, 1.03))
 
 
@@ -133,24 +133,33 @@ def _draw_distances(ax, d):
         ax.scatter(*off.T, 12, marker=marker, facecolor="none", edgecolor=COLOURS)
         ax.plot([], [], marker, color="0.3", mfc="none", label=where)
     ax.plot([0.02, 1], [0.02, 1], "-", color="0.7", lw=0.6)
-    log_log(ax, xlim=(0.03, 0.7), ylim=(3e-5, 0.5))
+    log_log(
+        ax,
+        xlabel=r"RMS, $\epsilon=0.65$",
+        xlim=(0.03, 0.7),
+        ylabel=r"RMS, measured $\epsilon$",
+        ylim=(3e-5, 0.5),
+    )
     ax.set_xticks([0.05, 0.1, 0.2, 0.5], labels=["0.05", "0.1", "0.2", "0.5"])
     ax.set_xticks([], minor=True)
-    ax.set(xlabel=r"RMS, $\epsilon=0.65$", ylabel=r"RMS, measured $\epsilon$")
     ax.legend(loc="lower left", title="overlap factor in")
 
 
 def _draw_why(ax, d):
-    for z, row, colour in zip(DAMPINGS, d["why"], shades(len(DAMPINGS)), strict=True):
-        ax.plot(d["ratio"], row, color=colour, label=f"{z:g}")
+    ax.set_prop_cycle(color=shades(len(DAMPINGS)))
+    ax.plot(d["ratio"], d["why"].T, label=[f"{z:g}" for z in DAMPINGS])
     ax.plot(d["printed_ratio"], d["compared"][0, 0, 0, 1], "k*", ms=8, label="printed")
-    log_log(ax, ylim=(3e-5, 0.5), ylabel=r"RMS, measured $\epsilon$")
-    ax.set_xlabel(r"$k_t\delta/(k_n\delta^{1/2})$, deepest overlap")
+    log_log(
+        ax,
+        xlabel=r"$k_t\delta/(k_n\delta^{1/2})$, deepest overlap",
+        ylabel=r"RMS, measured $\epsilon$",
+        ylim=(3e-5, 0.5),
+    )
     ax.legend(title="damping ratio", loc="lower left")
 
 
 @style
-def draw(d: Data) -> plt.Figure:
+def draw(d: Data) -> Figure:
     figure, axes = plt.subplot_mosaic("aabbcc;dddeee", figsize=(7.0, 4.9))
     for where, panel in enumerate("abc"):
         _draw_tilts(axes[panel], d, where)

@@ -16,8 +16,8 @@ theory cancelled.
 
 from functools import partial
 
-import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 from scipy.optimize import brentq
 
 import md
@@ -307,7 +307,7 @@ def _draw_left(ax, d):
 
 
 @style
-def draw(d: Data) -> plt.Figure:
+def draw(d: Data) -> Figure:
     panels = {
         "replaced one after another: plate, bounce": partial(_draw_steps, at=range(4)),
         "and on top of these: the mean touch": partial(_draw_steps, at=range(4, len(STEPS))),

@@ -15,6 +15,7 @@ cannot hold a tip.
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 from scipy.optimize import brentq
 
 from impact import critical_friction
@@ -134,7 +135,7 @@ def _draw_shares(ax, d, sweep: str):
 
 
 @style
-def draw(d: Data) -> plt.Figure:
+def draw(d: Data) -> Figure:
     figure, axes = plt.subplot_mosaic("aabbcc;dddeee", figsize=(7.0, 5.2))
     *over_tilt, gamma, lossy = axes.values()
     panels = {_draw_regimes: 0.64, _draw_company: 0.64, _draw_residual: 0.5}

@@ -11,6 +11,7 @@ each other with 0.3 throughout.
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
 from impact import critical_friction, drift, spherocylinder
@@ -83,7 +84,7 @@ def data(quick: bool = False) -> Data:
 
 
 @style
-def draw(d: Data) -> plt.Figure:
+def draw(d: Data) -> Figure:
     figure, (a, b, c) = plt.subplots(1, 3, figsize=(7.0, 3.1), width_ratios=(1, 1, 1.15))
     friction, restitution = d["friction"], d["restitution"]
     top = max(d["theory"].max(), np.nanmax(d["c_x"]))
@@ -97,7 +98,7 @@ def draw(d: Data) -> plt.Figure:
         ax.set_xticks(columns, [f"{mu:g}" for mu in friction], rotation=60)
         ax.set_yticks(rows, [f"{e:g}" for e in restitution])
         ax.axvline(critical, color=BLACK, lw=0.8)
-        ax.set(xlabel=r"friction $\mu$ of the plate")
+        ax.set_xlabel(r"friction $\mu$ of the plate")
         ax.tick_params(top=False, right=False)
     a.set_ylabel(r"restitution $\epsilon$")
     figure.colorbar(mesh, ax=[a, b], label=r"$c_x$ (cm/s)", pad=0.02)
@@ -108,8 +109,12 @@ def draw(d: Data) -> plt.Figure:
     points(c, friction, scaled, None, RIGID, form="s-", ms=2.5, label=r"theory, measured $V_z$")
     c.axvline(d["critical"], 0, 0.67, color=BLACK, lw=0.8)
     zero_line(c)
-    c.set(xscale="log", xlabel=r"friction $\mu$ of the plate", ylabel=r"$c_x$ (cm/s)")
-    c.set_ylim(min(0, 1.1 * np.nanmin(d["c_x"][:, cut])), 1.35 * max(np.nanmax(scaled), top))
+    c.set(
+        xscale="log",
+        xlabel=r"friction $\mu$ of the plate",
+        ylabel=r"$c_x$ (cm/s)",
+        ylim=(min(0, 1.1 * np.nanmin(d["c_x"][:, cut])), 1.35 * max(np.nanmax(scaled), top)),
+    )
     c.legend(loc="upper left")
     row = rf"$L={BOX:g}\,d$ ($\phi={d['nominal_deg']:.1f}$°), $\Gamma={GAMMA}$, $l={LENGTH}\,d$"
     note(figure, f"{row}, 60 Hz; {LAW_NAME}")

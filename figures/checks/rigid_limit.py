@@ -13,6 +13,7 @@ from functools import partial
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 
 import md
 
@@ -78,7 +79,7 @@ def data(quick: bool = False) -> Data:
 
 
 @style
-def draw(d: Data) -> plt.Figure:
+def draw(d: Data) -> Figure:
     figure, (left, other) = plt.subplots(1, 2, figsize=(7.0, 4.0))
     k_n = d["k_n"]
     constraint, spring, printed = CONTACT_COLOURS.values()
@@ -89,8 +90,12 @@ def draw(d: Data) -> plt.Figure:
     left.plot(k_n[::3], d["located"], "x", color="0.5", ms=7, label="every switch located")
     left.plot(k_n, 0.4 * d["error"][0, 0] * (k_n / k_n[0]) ** -0.4, "-", color="0.6", lw=0.8)
     left.text(1e11, 9e-7, r"$k_n^{-2/5}$", ha="center", color="0.4")
-    log_log(left, ylim=(1e-10, 1))
-    left.set(xlabel=r"stiffness $k_n$ ($mg/d^{3/2}$)", ylabel=r"RMS $|\Delta\mathbf{c}'|/|c_z|$")
+    log_log(
+        left,
+        xlabel=r"stiffness $k_n$ ($mg/d^{3/2}$)",
+        ylabel=r"RMS $|\Delta\mathbf{c}'|/|c_z|$",
+        ylim=(1e-10, 1),
+    )
     forms = "^--", "s-", "D-."
     series = zip(SPRING_SERIES, d["error_by_ratio"], d["slope_by_ratio"], forms, strict=True)
     for (_, damping, k), error, (slope, _), form in series:

@@ -8,8 +8,8 @@ the row has separated into two tilts, most rods and a stretch of some thirty tha
 its mean tilt falls, its drift does not change.
 """
 
-import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 
 from ..lib.runs import (
     GAMMA,
@@ -97,7 +97,7 @@ def _draw_spread(ax, d):
 
 
 @style
-def draw(d: Data) -> plt.Figure:
+def draw(d: Data) -> Figure:
     panels = {
         "drift over the largest row's": _draw_drift,
         "rods that lean unlike": _draw_spread,

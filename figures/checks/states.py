@@ -14,8 +14,8 @@ in which they began, over time, by tilt. (d) Drift over tilt while the box takes
 and down, with standard errors over starts; where the two differ, the row remembers.
 """
 
-import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 from scipy.stats import mode
 
 from md.sweep import Sweep
@@ -177,7 +177,7 @@ def data(quick: bool = False) -> Data:
 def _draw_map(ax, d):
     tilt = d["nominal_deg"][:, None, None]
     gamma = d["gamma"][:, None] + np.linspace(-BESIDE, BESIDE, d["state"].shape[-1])
-    tilt, gamma, _ = np.broadcast_arrays(tilt, gamma, d["state"])
+    tilt, gamma = np.broadcast_arrays(tilt, gamma)
     for each, (colour, form) in enumerate(LOOKS):
         some = d["state"] == each
         if some.any():
@@ -233,7 +233,7 @@ def _draw_driven(ax, d):
 
 
 @style
-def draw(d: Data) -> plt.Figure:
+def draw(d: Data) -> Figure:
     panels = {
         "states": _draw_map,
         rf"drift by state, $\Gamma={GAMMA}$": _draw_drift,

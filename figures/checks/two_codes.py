@@ -18,8 +18,8 @@ import tomllib
 from functools import partial
 from pathlib import Path
 
-import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 
 from md.scene import put, read_tables
 
@@ -77,7 +77,7 @@ def _beside(ax, d, name: str):
 
 
 @style
-def draw(d: Data) -> plt.Figure:
+def draw(d: Data) -> Figure:
     panels = {title: partial(_beside, name=name) for name, title in TITLES.items()}
     figure = painted(d, panels, 3.8, 4.2, rows=2)
     for ax in figure.axes[:2]:

@@ -76,7 +76,7 @@ def friction(data):
         "ring_change": resampled(annulus, lambda d: exponents(d["plate"], d["plate_c_x"])[-1]),
         "ring_without": resampled(annulus, lambda d: d["plate_c_x"][0] / d["plate_c_x"].max()),
         "change": resampled(d, lambda d: exponents(d["friction"], d["c_x"])[-1]),
-        "without": resampled(_slippery(data), lambda d: d["stationary"][0] / d["largest"]),
+        "without": resampled(_slippery(data), _part_of_largest),
         "friction": count(d["friction"][d["c_x"].argmax()]),
     }
 
@@ -272,6 +272,10 @@ def _slippery(data: Evidence) -> Data:
     return Whole(found | {"largest": cut["c_x"][at], "largest_error": cut["c_x_error"][at]})
 
 
+def _part_of_largest(d: Data) -> float:
+    return d["stationary"][0] / d["largest"]
+
+
 @measures("S25")
 def frequency(data):
     sweep = sweeps(data.quick)["frequency"]
@@ -301,7 +305,7 @@ def without_friction(data):
     speed, needed = rows.plate_speed_cm_s(), rod.X * rod.Z / (2 * least * rod.k**2)
     landings = impact.relaxation(rod, friction=least, restitution=rows.RESTITUTION)
     return {
-        "stationary": resampled(d, lambda d: d["stationary"][0] / d["largest"]),
+        "stationary": resampled(d, _part_of_largest),
         "theory": resampled(d, lambda d: d["stationary"][0] / (d["V_z"][0] * speed * middle)),
         "twice": resampled(d, lambda d: d["stationary"][1] / d["stationary"][0]),
         "relaxation": resampled(d, lambda d: d["relaxation"][0] * d["often"][0] / needed),

@@ -12,9 +12,9 @@ the prices of fixed steps; times are of this machine, without compiling.
 
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 import md
 from md.accuracy import steps_per_contact
@@ -135,9 +135,7 @@ def runs(d: Data) -> list[dict[str, Any]]:
         {
             "scene": d["scene"][i],
             "tolerance": d["tolerance"][j],
-            "per_contact": d["run_per_contact"][i, j],
-            "periods": d["run_periods"][i, j],
-            "seconds": d["run_seconds"][i, j],
+            **{name: d[f"run_{name}"][i, j] for name in ("per_contact", "periods", "seconds")},
             "error": d["run_error"][j] if i == 0 else None,
         }
         for i, j in np.ndindex(d["run_seconds"].shape)
@@ -203,7 +201,7 @@ def _draw_runs(ax, d):
 
 
 @style
-def draw(d: Data) -> plt.Figure:
+def draw(d: Data) -> Figure:
     panels = {"drift of the row": panel, "by tolerance, 95 %": _draw_runs}
     figure = painted(d, panels, 3.8)
     times = zip(to_reach(d, 0.01), _looks(d), strict=True)

@@ -13,6 +13,7 @@ from contextlib import suppress
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 
 import md
 from md.laws import contact_time
@@ -103,7 +104,7 @@ def _errors(ax, x: np.ndarray, error: np.ndarray, colour: str, marker: str, labe
 
 
 @style
-def draw(d: Data) -> plt.Figure:
+def draw(d: Data) -> Figure:
     figure, axes = plt.subplots(1, 2, figsize=(7.0, 3.2), sharey=True)
     steps, time = axes
     label = f"Verlet, order {d['order']:.2f}"
@@ -114,8 +115,8 @@ def draw(d: Data) -> plt.Figure:
         log_log(ax, ylim=(3e-17, 1))
     steps.text(4e-6, 2 * d["floor"], "the reference's own error")
     steps.text(4e-6, 2e-16, "half an ulp")
-    steps.set(xlabel=r"step $\Delta t/t_c$", xlim=(1.5e-6, 0.3))
-    steps.set_ylabel(r"$|\Delta\mathbf{c}'|/|c_z|$, integration")
+    words = r"$|\Delta\mathbf{c}'|/|c_z|$, integration"
+    steps.set(xlabel=r"step $\Delta t/t_c$", xlim=(1.5e-6, 0.3), ylabel=words)
     label, microseconds = "DOP853, switches located", 1e6 * d["adaptive_seconds"]
     _errors(time, microseconds, d["adaptive_error"], GREEN, "D", label)
     time.legend(loc="lower left", bbox_to_anchor=(0, 0.28))

@@ -15,6 +15,7 @@ from functools import partial
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter
 
 import md
@@ -196,7 +197,7 @@ def panel(ax: Axes, d: Data) -> None:
 
 
 @style
-def draw(d: Data) -> plt.Figure:
+def draw(d: Data) -> Figure:
     figure, ax = plt.subplots(figsize=(7.0, 5.4))
     panel(ax, d)
     truth, spread, seconds = d["trusted"]

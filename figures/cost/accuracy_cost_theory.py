@@ -7,6 +7,7 @@ copied once. "As printed": the paper's formulas, mistakes corrected.
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 
 from impact import collide
 
@@ -54,7 +55,7 @@ def data(quick: bool = False) -> Data:
 
 
 @style
-def draw(d: Data) -> plt.Figure:
+def draw(d: Data) -> Figure:
     figure, ax = plt.subplots(figsize=(7.0, 3.6))
     for i, (label, colour, marker) in enumerate(WAYS):
         time, (worst, middle) = 1e9 * d["seconds"][i], d["error"][:, i]
@@ -66,8 +67,13 @@ def draw(d: Data) -> plt.Figure:
     ax.text(2.3, 1.3 * half_ulp, "half an ulp", va="bottom")
     ax.axvline(1e9 * d["memory_seconds"], **GUIDE, ls="--")
     ax.text(1.35e9 * d["memory_seconds"], 1e-3, "one pass through memory", rotation=90, va="center")
-    log_log(ax, xlim=(2, 1e4), ylim=(1e-18, 1e5))
-    ax.set(xlabel="time per impact (ns)", ylabel="relative error")
+    log_log(
+        ax,
+        xlabel="time per impact (ns)",
+        xlim=(2, 1e4),
+        ylabel="relative error",
+        ylim=(1e-18, 1e5),
+    )
     figure.legend(loc="outside right center", title="filled: largest error\nopen: median")
     note(figure, machine_line(d))
     return figure

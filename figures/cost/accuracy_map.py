@@ -11,6 +11,7 @@ The largest errors over random impacts under each law stand on the page of price
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import BoundaryNorm
+from matplotlib.figure import Figure
 
 from impact import collide, critical_friction, painleve_friction, slide_friction, thin_rod
 
@@ -69,7 +70,7 @@ def data(quick: bool = False) -> Data:
 
 
 @style
-def draw(d: Data) -> plt.Figure:
+def draw(d: Data) -> Figure:
     figure, axes = plt.subplots(1, 2, figsize=(7.0, 3.4))
     norm = BoundaryNorm(ULP_LEVELS, 256)
     line = np.degrees(d["line_tilt"])

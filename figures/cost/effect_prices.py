@@ -20,6 +20,7 @@ import matplotlib.pyplot as plt
 import numba
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from md.host import Engine
 from md.kernels import C_Z, Z
@@ -207,9 +208,12 @@ def panel(ax: Axes, d: Data) -> None:
     words = f"change of $c_x$ from\n{d['drift'][0, 0]:.2f} ± {d['drift'][1, 0]:.2f} cm/s"
     ax.text(1.02, y[0] - 1.3, words, **beside)
     ax.axvline(0, color="black", lw=0.6)
+    ax.set(
+        xlabel="price (ns per step of a rod)",
+        xlim=(1.1 * lowest, 1.45 * longest),
+        ylim=(y[-1] + 0.7, -0.7),
+    )
     names = [f"{name}{' instead' if name in GROUPS['instead'] else ''}" for name in rows()]
-    ax.set(ylim=(y[-1] + 0.7, -0.7), xlim=(1.1 * lowest, 1.45 * longest))
-    ax.set_xlabel("price (ns per step of a rod)")
     ax.set_yticks(y, names)
     ax.tick_params(axis="y", length=0)
     ax.tick_params(axis="x", top=False)
@@ -221,7 +225,7 @@ def panel(ax: Axes, d: Data) -> None:
 
 
 @style
-def draw(d: Data) -> plt.Figure:
+def draw(d: Data) -> Figure:
     figure, ax = plt.subplots(figsize=(7.0, 7.0))
     panel(ax, d)
     words = "errors of the median; drift −: no row is left without it"

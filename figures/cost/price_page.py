@@ -6,6 +6,7 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 
 from impact import collide, compiled
 
@@ -28,7 +29,7 @@ Found = Mapping[str, Mapping[str, np.ndarray]]  # data of the figures in `PRICE_
 
 
 @style
-def draw(found: Found) -> plt.Figure:
+def draw(found: Found) -> Figure:
     """Main panels of the figures of prices, from their data."""
     figure, axes = plt.subplot_mosaic(LAYOUT, figsize=(7.0, sum(HEIGHTS)), height_ratios=HEIGHTS)
     for name, ax in axes.items():

@@ -13,10 +13,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import monotonic, perf_counter, sleep
 
-import matplotlib.pyplot as plt
 import numpy as np
 from joblib import Parallel, cpu_count, delayed, parallel_config
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 import md
 from md.host import prepare
@@ -144,14 +144,18 @@ def _draw_cores(ax, d):
     ends = np.array([0, workers[-1]])
     ax.plot(ends, rate[0] * ends, "--", **GUIDE, label="proportional to cores")
     ax.errorbar(workers, rate, error, fmt="s", color=BLACK, ms=3, lw=0.8, label="measured")
-    ax.set(xlabel="cores", ylabel="million steps of a rod per second")
-    ax.set(xlim=(0, 1.1 * workers[-1]), ylim=(0, 1.1 * rate[0] * workers[-1]))
+    ax.set(
+        xlabel="cores",
+        xlim=(0, 1.1 * workers[-1]),
+        ylabel="million steps of a rod per second",
+        ylim=(0, 1.1 * rate[0] * workers[-1]),
+    )
     ax.xaxis.get_major_locator().set_params(integer=True)
     ax.legend(loc="upper left")
 
 
 @style
-def draw(d: Data) -> plt.Figure:
+def draw(d: Data) -> Figure:
     panels = {"a period": panel, "many runs": _draw_cores}
     figure = painted(d, panels, 2.7)
     note(figure, machine_line(d))

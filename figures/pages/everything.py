@@ -10,6 +10,7 @@ from md.sweep import Point
 from .. import FIGURES, load
 from ..claims import measure_annulus, measure_rows
 from ..lib.data import stored_data
+from ..lib.drawing import files_of
 from ..lib.runs import lacking
 
 OF_CLAIMS = (measure_rows, measure_annulus)  # runs that no figure shows
@@ -22,7 +23,7 @@ def left(out: Path) -> list[str]:
     return [
         name
         for name in FIGURES
-        if not all((out / f"{name}.{kind}").is_file() for kind in ("png", "pdf"))
+        if not all((out / file).is_file() for file in files_of(name))
         or stored_data(name, False, out) is None
     ]
 

@@ -12,6 +12,7 @@ weighted by the speed of approach, up where positive. The row has no walls and n
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import TwoSlopeNorm
+from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from impact import drift, spherocylinder
@@ -182,7 +183,7 @@ def _annuli(axes, d):
     a, b, c = axes
     size = ARROW_DEG * np.clip(d["ring_V_z"], -1, 1)
     arrows = a.quiver(
-        np.broadcast_to(d["gamma"][:, None], size.shape),
+        d["gamma"][:, None] + 0 * size,
         d["ring_tilt"],
         0 * size,
         size,
@@ -204,7 +205,7 @@ def _annuli(axes, d):
 
 
 @style
-def draw(d: Data) -> plt.Figure:
+def draw(d: Data) -> Figure:
     figure, axes = plt.subplots(2, 3, figsize=(7.0, 5.8), width_ratios=(1.35, 1, 1))
     _rows(axes[0], d)
     _annuli(axes[1], d)

@@ -14,6 +14,7 @@ from collections.abc import Sequence
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 
 from md.scene import put
 from md.sweep import Sweep
@@ -189,7 +190,7 @@ def _over_friction(ax, d, name: str):
 
 
 @style
-def draw(d: Data) -> plt.Figure:
+def draw(d: Data) -> Figure:
     figure, axes = plt.subplots(2, 2, figsize=(7.0, 4.9))
     (a, b), (c, e) = axes
     _over_tilt(a, d)

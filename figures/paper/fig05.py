@@ -12,6 +12,7 @@ tilts around the annulus, over the rods in order of azimuth.
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
 
 from md.scene import put
 
@@ -81,7 +82,7 @@ def _from_above(ax, d, rods: np.ndarray, norm: plt.Normalize) -> LineCollection:
 
 
 @style
-def draw(d: Data) -> plt.Figure:
+def draw(d: Data) -> Figure:
     figure, ((a, b), (c, e)) = plt.subplots(2, 2, figsize=(7.0, 5.6), height_ratios=(1.6, 1))
     figure.get_layout_engine().set(rect=(0, 0, 1, 0.97))  # titles over panels of fixed aspect
     counts = d["shown"]
@@ -98,7 +99,7 @@ def draw(d: Data) -> plt.Figure:
     curve(beside, d, "mean", "contrast", ANOTHER, "contrast of tilts", form="s--", both=True)
     zero_line(c)
     c.set(xlabel=r"mean tilt $\phi$ (deg)", ylabel="order, share", ylim=(-0.1, 1.7))
-    beside.set_ylim(*np.array([-0.1, 1.7]) * 1.2 * np.nanmax(d["contrast"]))
+    beside.set_ylim(*np.multiply(c.get_ylim(), 1.2 * np.nanmax(d["contrast"])))
     beside.set_ylabel("contrast (deg)", color=ANOTHER)
     beside.tick_params(colors=ANOTHER)
     c.legend(handles=c.containers + beside.containers, loc="upper right")

@@ -11,6 +11,7 @@ is hit again at once does not fall in between.
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 
 from impact import drift
 
@@ -80,7 +81,7 @@ def _pair(ax, d, name: str, label: str, sign: int = 1):
 
 
 @style
-def draw(d: Data) -> plt.Figure:
+def draw(d: Data) -> Figure:
     figure, axes = plt.subplots(2, 2, figsize=(7.0, 5.0))
     (a, b), (c, e) = axes
     _pair(a, d, "omega", r"\omega")

@@ -11,6 +11,7 @@ again while the plate rises, which halves the mean from touch to touch.
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 
 from md.scene import from_tables, put
 
@@ -65,7 +66,7 @@ def data(quick: bool = False, scene: str | None = None) -> Data:
 
 
 @style
-def draw(d: Data) -> plt.Figure:
+def draw(d: Data) -> Figure:
     figure, axes = plt.subplot_mosaic("ac;bc", figsize=(7.0, 4.6), width_ratios=(1.5, 1))
     a, b, c = (axes[letter] for letter in "abc")
     time, plate = d["time"], d["plate"]
@@ -74,8 +75,8 @@ def draw(d: Data) -> plt.Figure:
     for ax, tips, tilt in zip((a, b), d["tips"], TIP_TILTS_DEG, strict=True):
         ax.fill_between(time, low - 0.05, plate, color="0.8", lw=0)
         ax.plot(time, plate, color="0.45", lw=0.8)
-        for tip, colour, dash in zip(tips.T, shades(3), dashes, strict=True):
-            ax.plot(time, tip, color=colour, ls=dash)
+        ax.set_prop_cycle(color=shades(3), ls=dashes)
+        ax.plot(time, tips)
         ax.set(
             xlabel="time (periods of the plate)",
             xlim=(0, SHOWN_PERIODS),

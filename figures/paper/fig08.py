@@ -8,6 +8,7 @@ as one, at the first of them; one rigid rod: at fixed tilt, exact flights and im
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 
 from impact import landing_density
 
@@ -65,7 +66,7 @@ def data(quick: bool = False, scene: str | None = None) -> Data:
 
 
 @style
-def draw(d: Data) -> plt.Figure:
+def draw(d: Data) -> Figure:
     figure, axes = plt.subplots(2, 3, figsize=(7.0, 4.8))
     fine, top = np.linspace(0, 360, 361), 1.12 * np.nanmax(d["density"] + d["density_error"])
     *panels, last = axes.flat

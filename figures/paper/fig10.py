@@ -8,6 +8,7 @@ degrees, the cross), and at large tilt the contact sticks again.
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 
 from impact import classify, critical_tilts, slide_friction, thin_rod
 
@@ -64,7 +65,7 @@ def data(quick: bool = False, friction: float | None = None, restitution: float 
 
 
 @style
-def draw(d: Data) -> plt.Figure:
+def draw(d: Data) -> Figure:
     figure, axes = plt.subplots(1, 3, figsize=(7.0, 3.2), sharey=True)
     end, end_friction = d["reversal_end"]
     end_deg = np.degrees(end)

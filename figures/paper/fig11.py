@@ -9,6 +9,7 @@ from mu = 3/4 on, there is no inset.
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 
 from derivations import function
 from impact import Regime, critical_tilts, drift, thin_rod
@@ -94,7 +95,7 @@ def _end(ax, d):
 
 
 @style
-def draw(d: Data) -> plt.Figure:
+def draw(d: Data) -> Figure:
     figure, ax = plt.subplots(figsize=(5.0, 3.6))
     _curves(ax, d)
     highest = min(np.nanmax([d["c_x"], d["c_z"]]), HIGHEST)

@@ -11,8 +11,8 @@ dashpot gives 0.65 head on at every speed: friction adds to or takes from the wo
 from dataclasses import replace
 from functools import partial
 
-import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 
 import md
 from impact import Collision
@@ -129,9 +129,9 @@ def _draw_velocities(ax, d, i: int):
 
 
 def _draw_restitution(ax, d):
-    wide = 2.4, 1, 1.2  # the first two nearly coincide
-    for (law, words), e, lw in zip(LAW_WORDS.items(), d["restitution"], wide, strict=True):
-        ax.plot(np.degrees(d["tilt"]), e, color=CONTACT_COLOURS[law], lw=lw, label=words)
+    # the first two nearly coincide
+    ax.set_prop_cycle(color=[*CONTACT_COLOURS.values()], lw=[2.4, 1, 1.2])
+    ax.plot(np.degrees(d["tilt"]), d["restitution"].T, label=[*LAW_WORDS.values()])
     for (law, colour), e in zip(LAW_COLOURS.items(), d["line_restitution"], strict=True):
         ax.plot(np.degrees(d["line_tilt"]), e, "--", color=colour, lw=1, label=law.title())
     tilt_axis(ax, ylabel=r"restitution $-v_f/v_0$", ylim=(None, 1.45))
@@ -148,7 +148,7 @@ def _draw_off(ax, d):
 
 
 @style
-def draw(d: Data) -> plt.Figure:
+def draw(d: Data) -> Figure:
     panels = {
         "friction as a constraint": partial(_draw_velocities, i=0),
         "Appendix A as printed": partial(_draw_velocities, i=2),

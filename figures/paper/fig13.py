@@ -10,8 +10,8 @@ Open in (c): started side by side almost at rest, rods of 2 to 5 d bounce as one
 hardly drifts; those thrown at the start do not.
 """
 
-import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 
 from impact import InputError, drift, spherocylinder, thin_rod
 
@@ -184,7 +184,7 @@ def _over_length(ax, d):
 
 
 @style
-def draw(d: Data) -> plt.Figure:
+def draw(d: Data) -> Figure:
     panels = {
         rf"$\Gamma={GAMMA}$": _over_tilt,
         rf"$L={BOX:g}\,d$": _over_gamma,

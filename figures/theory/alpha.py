@@ -14,6 +14,7 @@ from functools import partial
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 
 from impact import drift, spherocylinder
 
@@ -152,7 +153,7 @@ def _over_gamma(axes, d):
 
 
 @style
-def draw(d: Data) -> plt.Figure:
+def draw(d: Data) -> Figure:
     figure, axes = plt.subplots(2, 3, figsize=(7.0, 5.0))
     _over_tilt(axes[0], d)
     _over_gamma(axes[1], d)

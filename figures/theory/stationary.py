@@ -18,8 +18,8 @@ thin rod, 4/3.
 
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 
 from derivations import function
 from impact import (
@@ -116,10 +116,8 @@ def data(
 
 
 def _density(ax, d):
-    for q, density, colour, form in zip(
-        FALLS, d["density"], shades(len(FALLS)), FORMS, strict=True
-    ):
-        ax.plot(np.degrees(d["phase"]), density, form, color=colour, label=f"{q:g}")
+    ax.set_prop_cycle(color=shades(len(FALLS)), ls=FORMS)
+    ax.plot(np.degrees(d["phase"]), d["density"].T, label=[f"{q:g}" for q in FALLS])
     ax.set(
         xlabel=r"phase $\theta$ (deg)",
         xlim=(-180, 180),
@@ -181,16 +179,16 @@ def _cost(ax, d):
 
 def _painleve(ax, d):
     names = "thin rod", f"round, $l={d['length']:g}d$", "round, $l=3d$", "flat ends, $l=8d$"
-    shapes, forms = ("thin", "round", "round", "flat"), ("-", "-", "-.", "-")
-    for friction, name, shape, form in zip(d["painleve"], names, shapes, forms, strict=True):
-        ax.plot(np.degrees(d["tilt"]), friction, form, color=SHAPE_COLOURS[shape], label=name)
+    colours = [SHAPE_COLOURS[shape] for shape in ("thin", "round", "round", "flat")]
+    ax.set_prop_cycle(color=colours, ls=["-", "-", "-.", "-"])
+    ax.plot(np.degrees(d["tilt"]), d["painleve"].T, label=names)
     ax.plot(np.degrees(np.arctan(0.5)), 4 / 3, "o", color=BLACK)
     tilt_axis(ax, ylabel=r"friction $\mu_P$", ylim=(0, 8))
     ax.legend(loc="upper center", handlelength=1.6)
 
 
 @style
-def draw(d: Data) -> plt.Figure:
+def draw(d: Data) -> Figure:
     panels = {
         "landing phases": _density,
         "plate at landing": _alpha,

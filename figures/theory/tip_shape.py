@@ -13,8 +13,8 @@ error: the same threshold, reverse drift below it, flat ends slower just beyond 
 corners touch and push each other's way, so that a rod that stands on its end does not drift.
 """
 
-import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 from scipy.stats import sem
 
 import md
@@ -188,7 +188,7 @@ def _one(ax, d):
 
 
 @style
-def draw(d: Data) -> plt.Figure:
+def draw(d: Data) -> Figure:
     length = rf"$l={d['length']:g}\,d$"
     panels = {
         f"closure, {length}": _over_tilt,
