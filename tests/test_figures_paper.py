@@ -169,6 +169,8 @@ def test_fig12_symbols_lie_on_the_theory_at_measured_restitution():
 
 # Figs. 2, 6, 7, 8 and 13: rows
 
+SPEED_CM_S = 3.3 * 981 / (2 * np.pi * 60)  # of the plate, at most
+
 
 def test_rows_are_shown_in_the_units_of_the_axes():
     """cm/s and rad/s: the store's means times sqrt(g d) and over sqrt(d/g); theory at V_0/2."""
@@ -178,9 +180,8 @@ def test_rows_are_shown_in_the_units_of_the_axes():
         c_x, omega = np.mean(runs.gathered(runs.tilt_plan(True), *names), axis=-1)
     assert_allclose(six["c_x_after"], c_x * np.sqrt(981 * 0.6))
     assert_allclose(six["omega_before"], omega * np.sqrt(981 / 0.6))
-    speed = 3.3 * 981 / (2 * np.pi * 60)
     rod = thick(np.radians(six["fine_deg"]))
-    line = drift(rod, friction=0.3, restitution=0.65, plate_velocity=speed / 2)
+    line = drift(rod, friction=0.3, restitution=0.65, plate_velocity=SPEED_CM_S / 2)
     assert_allclose(six["line_c_x"], line.c_x, rtol=1e-12)
 
 
@@ -190,9 +191,8 @@ def test_lines_of_the_theory_name_their_equations(panel, line):
     six = data("fig06")
     labels = fig06.draw(six).axes[panel].get_legend_handles_labels()[1]
     (label,) = (label for label in labels if "V_0/2" in label)
-    half = 3.3 * 981 / (4 * np.pi * 60)
     rod = thick(np.radians(six["fine_deg"]))._asdict()
-    known = rod | {"mu": 0.3, "epsilon": 0.65, "V_z": half}
+    known = rod | {"mu": 0.3, "epsilon": 0.65, "V_z": SPEED_CM_S / 2}
     forms = []
     for tag in re.findall(r"\((\d+)\)", label):
         form = function(tag)
@@ -217,7 +217,7 @@ def test_tips_stay_above_the_plate_and_meet_it():
     gap = d["tips"] - d["plate"][:, None]
     assert -0.01 < gap.min() < 0.001  # cm
     assert gap.max() > 0.02
-    assert d["plate"].max() == pytest.approx(3.3 * 981 / (2 * np.pi * 60) ** 2, rel=1e-3)
+    assert d["plate"].max() == pytest.approx(SPEED_CM_S / (2 * np.pi * 60), rel=1e-3)
 
 
 def test_drift_is_told_from_none():
