@@ -7,7 +7,7 @@ must cost some entry that rests on it its proof. Changes that say the same are c
 """
 
 from collections import namedtuple
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from functools import partial, wraps
 from itertools import pairwise
@@ -29,21 +29,13 @@ COMPARED = {"IV: Coulomb, stick": "sign", "V: closure": "zero"}  # with zero: si
 @contextmanager
 def derived_again(kind, name):
     """Derive again, inside, what takes the step of a name; afterwards all is as before."""
-    known = [forgotten(results, kind, name) for results in trace.CACHES]
-    try:
+    with ExitStack() as stack:
+        for results in trace.CACHES:
+            stack.enter_context(patch.dict(results))
+            for given, (_, steps) in list(results.items()):
+                if name in trace.names(steps, kind):
+                    del results[given]
         yield
-    finally:
-        for results, taken in zip(trace.CACHES, known, strict=True):
-            forgotten(results, kind, name)
-            results.update(taken)
-
-
-def forgotten(results, kind, name):
-    """What a cache held that takes the step of a name; it is taken out."""
-    taken = {x: held for x, held in results.items() if name in trace.names(held[1], kind)}
-    for given in taken:
-        del results[given]
-    return taken
 
 
 @contextmanager
@@ -60,21 +52,6 @@ def bent(name, change):
 Mutant = namedtuple("Mutant", "tag side change outcome")
 
 
-def _at(form, path, new):
-    """Return the form with the node at a path replaced."""
-    if not path:
-        return new
-    args = list(form.args)
-    args[path[0]] = _at(args[path[0]], path[1:], new)
-    return form.func(*args)
-
-
-def _nodes(form, path=()):
-    yield path, form
-    for i, arg in enumerate(form.args):
-        yield from _nodes(arg, (*path, i))
-
-
 def _changes_of(form):
     """Changed expressions, each with the change in words."""
     yield "times 8/7", form * FACTOR
@@ -85,12 +62,13 @@ def _changes_of(form):
     for one, other in pairwise(letters + letters[:1]):
         if one != other:
             yield f"{one} to {other}", form.xreplace({one: other})
-    for path, node in _nodes(form):
+    for node in sp.preorder_traversal(form):
         if node.is_Add:
             for term in node.args:
-                yield f"sign of {term}", _at(form, path, node - 2 * term)
+                yield f"sign of {term}", form.xreplace({node: node - 2 * term})
         elif node.is_Pow and node.exp.could_extract_minus_sign():
-            yield f"denominator {node.base} times 9/8", _at(form, path, node * sp.Rational(9, 8))
+            scaled = node * sp.Rational(9, 8)
+            yield f"denominator {node.base} times 9/8", form.xreplace({node: scaled})
 
 
 def changes(form):

@@ -231,16 +231,16 @@ def meetings(rods, i=0, j=1, half=HALF, shift=0.0):
     The nearest place on a segment is the foot of the perpendicular, held between its ends. Rod j
     stands `shift` further along x.
     """
-    centres = rods[i, ROW_PLACE], rods[j, ROW_PLACE] + (shift, 0.0)
-    axes = rods[i, ROW_DIRECTION], rods[j, ROW_DIRECTION]
-    tips = [[x + s * a for s in (-half, half)] for x, a in zip(centres, axes, strict=True)]
+    x, y = rods[i, ROW_PLACE], rods[j, ROW_PLACE] + (shift, 0.0)
+    a, b = rods[i, ROW_DIRECTION], rods[j, ROW_DIRECTION]
+    tips, others = (x - half * a, x + half * a), (y - half * b, y + half * b)
 
     def foot(tip, x, a):
         return x + np.clip((tip - x) @ a / (a @ a), -half, half) * a
 
-    ends = [(tip, foot(tip, centres[1], axes[1])) for tip in tips[0]]
-    ends += [(foot(tip, centres[0], axes[0]), tip) for tip in tips[1]]
-    return ends, [*product(*tips)]
+    ends = [(tip, foot(tip, y, b)) for tip in tips]
+    ends += [(foot(tip, x, a), tip) for tip in others]
+    return ends, [*product(tips, others)]
 
 
 def overlap(places):
@@ -269,11 +269,7 @@ def elastic(rods, period=1e6):
         for count, (p, q) in contacts:
             deep = max(overlap((p, q)), 0.0)
             push = count * SOFT * deep**1.5 * unit(p - q)
-            centres = (
-                (i, rods[i, ROW_PLACE], push),
-                (j, rods[j, ROW_PLACE] + (n * period, 0), -push),
-            )
-            for rod, centre, (f_x, f_z) in centres:
-                x, z = (p + q) / 2 - centre
+            for rod, shift, (f_x, f_z) in ((i, 0, push), (j, n * period, -push)):
+                x, z = (p + q) / 2 - rods[rod, ROW_PLACE] - (shift, 0)
                 total[rod] += f_x, f_z, z * f_x - x * f_z
     return total

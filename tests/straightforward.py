@@ -1,12 +1,24 @@
 """The paper's impact as one would first write it down: what the hard cases break.
 
-Equations (8)-(22) with their misprints corrected and both signs of the slip allowed for, but
+Its equations as they are derived, misprints corrected and both signs of the slip allowed for, but
 nothing rewritten. It is here so that every hard case can be seen to fail on something.
 """
 
+from functools import cache
+
 import numpy as np
 
+from derivations import function
 from impact import Collision
+
+AFTER = ("12", "18", "21"), ("13", "19", "22")  # c_x' and c_z' of each regime
+
+
+@cache
+def formula(tag):
+    """An equation of the paper as a function, and the letters that it takes."""
+    equation = function(tag)
+    return equation, [*equation.__signature__.parameters]
 
 
 def collide(
@@ -14,43 +26,42 @@ def collide(
 ):
     """Newton's law only, whatever `law` says."""
     X, Z, k = map(np.asarray, geometry)
-    mu, e = np.asarray(friction), restitution
-    slip, v_0 = c_x - omega * Z, c_z - plate_velocity + omega * X
-    side, u_0 = np.sign(slip), np.abs(slip)
-    XZ = side * X * Z
-    across, along = k**2 + X**2, k**2 + Z**2
-    forward = across + mu * XZ
-    stop = mu * along + XZ
-    back = across - mu * XZ
-    whole = across + Z**2
-    bracket = (1 + e) * v_0 + forward / stop * u_0
+    slip, approach = c_x - omega * Z, c_z - plate_velocity + omega * X
+    side = np.sign(slip)
+    letters = {
+        "X": side * X,
+        "Z": Z,
+        "k": k,
+        "mu": friction,
+        "epsilon": restitution,
+        "c_x": side * c_x,
+        "c_z": c_z,
+        "omega": side * omega,
+        "V_z": plate_velocity,
+        "u_0": side * slip,
+        "v_0": approach,
+    }
 
-    slides = u_0 + stop / forward * v_0 * (1 + e) > 0
-    sticks = mu * along > XZ
-    slide_z = -v_0 * (1 + e) * k**2 / forward
-    stop_z = u_0 * k**2 / stop
-    stick_z = stop_z - bracket * along / whole
-    stick_x = -mu * stop_z - bracket * XZ / whole
-    back_z = stop_z - k**2 / back * bracket
-    back_x = -mu * stop_z - mu * k**2 / back * bracket
-    P_z = np.where(slides, slide_z, np.where(sticks, stick_z, back_z))
-    P_x = side * np.where(slides, -mu * slide_z, np.where(sticks, stick_x, back_x))
+    def value(tag):
+        equation, names = formula(tag)
+        return equation(*(letters[name] for name in names))
+
+    regime = np.where(value("14") > 0, 1, np.where(value("16"), 2, 3))
+    after_x, after_z = (np.choose(regime - 1, [*map(value, tags)]) for tags in AFTER)
+    P_x, P_z = side * after_x - c_x, after_z - c_z
     spin = (X * P_z - Z * P_x) / k**2
-    u_f = slip + P_x - Z * spin
-    v_f = v_0 + P_z + X * spin
-    energy = (P_x * (slip + u_f) + P_z * (v_0 + v_f)) / 2
-    regime = np.where(slides, 1, np.where(sticks, 2, 3))
-    return Collision(c_x + P_x, c_z + P_z, omega + spin, regime, P_x, P_z, u_f, v_f, energy)
+    u_f, v_f = slip + P_x - Z * spin, approach + P_z + X * spin
+    energy = (P_x * (slip + u_f) + P_z * (approach + v_f)) / 2
+    return Collision(c_x + P_x, after_z, omega + spin, regime, P_x, P_z, u_f, v_f, energy)
 
 
 def critical_tilts(friction):
     """Eq. (23) as printed; only its one root."""
-    cosine = (np.sqrt(9 - 16 * friction**2) - 5 * friction**2) / (3 * (1 + friction**2))
-    return np.arccos(cosine) / 2, np.nan
+    return formula("23")[0](friction), np.nan
 
 
 def drift(geometry, *, friction, restitution):
     """Eqs. (24) and (27) as printed, over the plate's velocity: for X Z > 0 the smaller holds."""
-    X, Z, k = geometry
-    pushed = np.minimum(2 * X * Z, friction * (k**2 + Z**2) + X * Z)
-    return ((1 + restitution) * pushed / (k**2 * (1 - restitution) + 2 * X**2),)
+    given = dict(zip("XZk", geometry, strict=True)) | {"epsilon": restitution, "V_z": 1.0}
+    slip_stick, slip_reversal = formula("24")[0](**given), formula("27")[0](**given, mu=friction)
+    return (np.minimum(slip_stick, slip_reversal),)
