@@ -15,12 +15,11 @@ from .sampling import power
 from .track import (
     CONTACT,
     LAWS,
-    REVERSAL,
     ROD,
-    SLIDE,
     SLIP_STICK,
     alone,
     damped,
+    each_case,
     effects,
     impact_of,
     seen,
@@ -30,7 +29,6 @@ from .track import (
 
 GRAVITY = 0.0, -1.0
 OFFSETS = (np.arange(24) + 0.5) / 24
-each_case = pytest.mark.parametrize("case", [SLIDE, SLIP_STICK, REVERSAL])
 
 
 def velocities(case, law, steps=None, offset=0.5):

@@ -5,70 +5,88 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import md
-from md.host import plate_motion, prepare
+from md.host import prepare
 from md.kernels import C_Z, COSINE, OMEGA, SINE, WATCH_TOUCHED, Z
-from md.kernels import touches as columns
+from md.kernels.touches import (
+    _LEFT,
+    A_X,
+    AFTER,
+    APPROACH,
+    BEFORE,
+    CAP,
+    DURATION,
+    FLIGHT,
+    LEAVING,
+    PLATE,
+    PUSHED,
+    ROD,
+    STEP,
+    WIDTH,
+    new_record,
+    since_touch,
+)
 from md.measures import HOP, Tables, merged
 
 from .rows import (
     DRIVEN,
-    HALF,
-    HELD,
-    PLANE,
     ROW_VELOCITY,
     go,
-    in_plane,
     recorded,
     ring,
     row,
-    started,
 )
 
 # Single touches
 
 
 def test_a_rod_that_touches_does_so_since_its_touch_began():
-    record = columns.new_record(2, 6)
+    record = new_record(2, 6)
     record.watch[1, WATCH_TOUCHED] = 1
-    record.open[:, columns._LEFT] = 990, np.nan
-    record.open[:, columns.STEP] = 980, 5
-    assert columns.since_touch(record, 1000).tolist() == [10, 995]
+    record.open[:, _LEFT] = 990, np.nan
+    record.open[:, STEP] = 980, 5
+    assert since_touch(record, 1000).tolist() == [10, 995]
 
 
 def test_touches_are_those_that_every_step_shows():
-    """The record of one rod is what its steps show: the plate pushes where it gains on free fall.
+    """The plate pushes in each step of a touch and in no other; others do in the pushed steps.
 
-    Touch, duration, cap, velocities before and after, approach and departure, from the states.
+    Cap, arm, velocities before and after, approach and departure are those of the states. The
+    kernel leaves the accelerations of its last step and the forces of the plate in it.
     """
-    plate, dt = plate_motion(row(), per := 2246), 3e-4
-    rod = 0, plate.height[0] + 0.5 + HALF * np.cos(0.6) + 1e-6, 0.6
-    scene = PLANE._replace(gravity=(0.0, -1.0), plate=plate, friction=HELD)
-    engine = started(scene, in_plane(rod, (1e3, 1e3, 0)), dt)
-    states = np.array(
-        [engine.rods[0].copy(), *(go(engine, 1).rods[0].copy() for _ in range(8 * per))]
-    )
-    pushed = np.abs(np.diff(states[:, C_Z]) + dt) > 1e-7 * dt
-    edges = np.diff(np.r_[0, pushed])
-    begins, stops = np.flatnonzero(edges > 0), np.flatnonzero(edges < 0)
-    begins = begins[: len(stops)]
+    engine, states, by_plate, by_others = prepare(row("box.length=6.5")), [], [], []
+    engine.rods[::2, [SINE, COSINE]] *= -1  # their upper caps are below
+    for _ in range(20 * engine.per):
+        states.append(engine.rods.copy())
+        state = go(engine, 1).state
+        of_plate = state.forces[:, :, 1].sum(axis=1)
+        by_plate.append(of_plate != 0)
+        by_others.append(np.abs(state.before[:, 0] - of_plate) > 1e-9)
     rows = recorded(engine)
-    assert len(rows) >= 3
-    first, last = states[begins], states[stops]
-    velocity, cap = plate.velocity[begins % per], np.where(first[:, COSINE] > 0, -1, 1)
-    a_x, a_z = cap * HALF * first[:, SINE], plate.height[begins % per] - first[:, Z]
-    flights = np.r_[np.nan, begins[1:] - stops[:-1]]
-    exactly = begins, cap, stops - begins, flights, velocity, 0 * begins
-    which = [*range(columns.STEP, columns.A_X), columns.PLATE, columns.PUSHED]
-    assert_array_equal(rows[:, which].T, exactly)
-    for column, at in ((columns.BEFORE, first), (columns.AFTER, last)):
-        assert_array_equal(rows[:, column : column + 3], at[:, ROW_VELOCITY])
-    assert_allclose(rows[:, [columns.A_X, columns.A_Z]].T, [a_x, a_z])
-    speeds = [
-        at[:, C_Z] - at[:, OMEGA] * cap * HALF * at[:, SINE] - plate.velocity[steps % per]
-        for at, steps in ((first, begins), (last, stops))
-    ]
-    found = rows[:, [columns.APPROACH, columns.LEAVING]].T
-    assert_allclose(found, speeds, rtol=0, atol=1e-13)
+    rows = rows[np.lexsort((rows[:, STEP], rows[:, ROD]))]
+    rod, begun, duration = rows[:, [ROD, STEP, DURATION]].astype(int).T
+    ended, touching = begun + duration, engine.record.watch[:, WATCH_TOUCHED] > 0
+    counts = np.insert(np.cumsum([by_plate, by_others], axis=1), 0, 0, axis=1)
+    touched, pushed = counts[:, ended, rod] - counts[:, begun, rod]
+    assert_array_equal(touched, duration)
+    lasting = touching * since_touch(engine.record, engine.step)
+    assert_array_equal(np.bincount(rod, duration) + lasting, counts[0, -1])
+    assert_allclose(rows[:, PUSHED], pushed / duration)
+    assert 0.1 < (pushed == 0).mean() < 0.9
+
+    flights = np.r_[np.nan, begun[1:] - ended[:-1]]
+    flights[np.diff(rod, prepend=-1) > 0] = np.nan
+    assert_array_equal(rows[:, FLIGHT], flights)
+    cap, plate, half = np.where(rod % 2, -1, 1), engine.plate, engine.effects.half_length
+    assert_array_equal(rows[:, CAP], cap)
+    for motion, speed, steps in ((BEFORE, APPROACH, begun), (AFTER, LEAVING, ended)):
+        at, moving = np.array(states)[steps, rod], plate.velocity[steps % engine.per]
+        assert_array_equal(rows[:, motion : motion + 3], at[:, ROW_VELOCITY])
+        a_x, a_z = cap * half * at[:, SINE], plate.height[steps % engine.per] - at[:, Z]
+        normal = at[:, C_Z] - at[:, OMEGA] * a_x - moving
+        assert_allclose(rows[:, speed], normal, rtol=0, atol=1e-13)
+        if steps is begun:
+            assert_allclose(rows[:, A_X:BEFORE].T, [a_x, a_z])
+            assert_array_equal(rows[:, PLATE], moving)
 
 
 @pytest.mark.parametrize("lean", [0, 1e-9, -1e-9, 0.1, -0.1])
@@ -80,36 +98,9 @@ def test_a_touch_is_seen_in_the_plane_of_the_rod(lean):
     while not engine.record.count[0]:
         go(engine, 100)
     touch = engine.record.rows[0]
-    assert touch[columns.BEFORE] == pytest.approx(0.3, abs=5e-3)  # its plane turns as it flies
-    assert touch[columns.A_X] == pytest.approx(-1.5 * np.sin(lean), abs=1e-12)
-    assert np.abs(touch[columns.BEFORE :]).max() < 20
-
-
-def test_touches_tell_who_gave_the_momentum():
-    """The plate gives some in each step of a touch and in no other, others in the pushed steps.
-
-    The kernel leaves the accelerations of its last step and the forces of the plate in it.
-    """
-    engine, velocities, by_plate, by_others = prepare(row("box.length=6.5")), [], [], []
-    for _ in range(20 * engine.per):
-        velocities.append(engine.rods[:, ROW_VELOCITY].copy())
-        state = go(engine, 1).state
-        of_plate = state.forces[:, :, 1].sum(axis=1)
-        by_plate.append(of_plate != 0)
-        by_others.append(np.abs(state.before[:, 0] - of_plate) > 1e-9)
-    rows, velocities = recorded(engine), np.array(velocities)
-    rod, begun, duration = rows[:, [columns.ROD, columns.STEP, columns.DURATION]].astype(int).T
-    ended = begun + duration
-    assert_array_equal(rows[:, columns.BEFORE : columns.AFTER], velocities[begun, rod])
-    assert_array_equal(rows[:, columns.AFTER : columns.PLATE], velocities[ended, rod])
-    counts = np.insert(np.cumsum([by_plate, by_others], axis=1), 0, 0, axis=1)
-    touched, pushed = counts[:, ended, rod] - counts[:, begun, rod]
-    assert_array_equal(touched, duration)
-    touching = engine.record.watch[:, WATCH_TOUCHED] > 0
-    lasting = touching * columns.since_touch(engine.record, engine.step)
-    assert_array_equal(np.bincount(rod, duration) + lasting, counts[0, -1])
-    assert_allclose(rows[:, columns.PUSHED], pushed / duration)
-    assert 0.1 < (pushed == 0).mean() < 0.9
+    assert touch[BEFORE] == pytest.approx(0.3, abs=5e-3)  # its plane turns as it flies
+    assert touch[A_X] == pytest.approx(-1.5 * np.sin(lean), abs=1e-12)
+    assert np.abs(touch[BEFORE:]).max() < 20
 
 
 # Touches merged into landings
@@ -117,11 +108,11 @@ def test_touches_tell_who_gave_the_momentum():
 
 def touches(rod, steps, flights):
     """Rows of a record as `merged` reads them: a touch of 3 steps each."""
-    table, number = np.zeros((len(steps), columns.WIDTH + 1)), np.arange(len(steps))
-    table[:, columns.ROD], table[:, columns.STEP] = rod, steps
-    table[:, columns.FLIGHT], table[:, columns.DURATION] = flights, 3
-    table[:, columns.PLATE], table[:, -1] = number, 1
-    table[:, columns.BEFORE : columns.PLATE] = number[:, None] + (0, 10, 20, 100, 110, 120)
+    table, number = np.zeros((len(steps), WIDTH + 1)), np.arange(len(steps))
+    table[:, ROD], table[:, STEP] = rod, steps
+    table[:, FLIGHT], table[:, DURATION] = flights, 3
+    table[:, PLATE], table[:, -1] = number, 1
+    table[:, BEFORE:PLATE] = number[:, None] + (0, 10, 20, 100, 110, 120)
     return table
 
 
@@ -129,19 +120,19 @@ def test_short_hops_belong_to_the_landing_before():
     """Flights above 20 steps part landings; the last of each rod may go on."""
     one = touches(0, [50, 150, 160, 175, 400], [np.nan, 95, 5, 10, 220])
     rows = np.concatenate([one, touches(1, [60, 70, 300], [80, 5, 150])])
-    rows = rows[rows[:, columns.STEP].argsort()]
+    rows = rows[rows[:, STEP].argsort()]
     over, open_ = merged(rows, 20)
     landings = {
-        columns.STEP: [50, 60, 150],  # as the next ones begin
-        columns.ROD: [0, 1, 0],
+        STEP: [50, 60, 150],  # as the next ones begin
+        ROD: [0, 1, 0],
         -1: [1, 2, 3],
-        columns.BEFORE: [0, 0, 1],  # of the first touch
-        columns.AFTER: [100, 101, 103],  # of the last
-        columns.PLATE: [0, 0, 1],
+        BEFORE: [0, 0, 1],  # of the first touch
+        AFTER: [100, 101, 103],  # of the last
+        PLATE: [0, 0, 1],
     }
     for column, expected in landings.items():
         assert_array_equal(over[:, column], expected)
-    assert_array_equal(open_[:, columns.STEP], [400, 300])
+    assert_array_equal(open_[:, STEP], [400, 300])
     assert len(merged(rows, 0)[0]) == 6
     assert [len(part) for part in merged(rows[:0], 20)] == [0, 0]
 
@@ -196,6 +187,6 @@ def test_records_have_the_means_and_phases_of_the_run(made, kind):
     assert_allclose(found["plate_velocity"], at_phases, atol=1.01 * step * speed)
     late = np.concatenate(rows)
     assert read(late, result).equals(found)
-    late[:, columns.STEP] += 10**6 * result.steps_per_period
+    late[:, STEP] += 10**6 * result.steps_per_period
     assert_allclose(read(late, result)["phase"], found["phase"], atol=1e-13)
     assert read([], result).sizes == {along: 0}

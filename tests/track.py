@@ -3,6 +3,7 @@
 from math import radians
 
 import numpy as np
+import pytest
 
 import md
 from md.host import at_start
@@ -21,6 +22,7 @@ LAWS = {
 SLIDE = radians(30), (-0.5, -1.0, 0.1)  # tilt, velocities before
 SLIP_STICK = radians(20), (0.5, -1.0, 0.0)
 REVERSAL = radians(40), (0.5, -1.0, 0.0)
+each_case = pytest.mark.parametrize("case", [SLIDE, SLIP_STICK, REVERSAL])
 CONTACT = contact_time(md.coulomb(), 1.0)
 
 
