@@ -18,17 +18,6 @@ def interval(series, fell=0, **how):
     return accuracy.interval(starts, **how)
 
 
-def test_the_interval_of_one_start_is_students():
-    series = autoregressive(default_rng(1), 1000, 0.5)
-    found = interval([series], confidence=0.9)
-    rest = series[200:]
-    assert (found.mean, found.settled) == (pytest.approx(rest.mean()), True)
-    assert found.half == pytest.approx(
-        student.ppf(0.95, 800 // 30) * standard_error(rest), rel=1e-12
-    )
-    assert np.isnan(found.chance)
-
-
 @pytest.mark.parametrize(("periods", "transient", "cut"), [(5000, 400, 400), (1000, 250, 300)])
 def test_a_transient_is_left_out_and_hardly_more(periods, transient, cut):
     """A fifth is left out, 400 periods at most, and tenths more while the rest has a trend."""
@@ -37,16 +26,21 @@ def test_a_transient_is_left_out_and_hardly_more(periods, transient, cut):
     assert interval([series]).mean == series[cut:].mean()
 
 
-def test_starts_in_one_state_are_pooled():
-    """Weights as their lengths; the error is that of one series as long as all."""
+@pytest.mark.parametrize(
+    ("cuts", "confidence"), [({1000: 200}, 0.9), ({1000: 200, 500: 150}, 0.95)]
+)
+def test_starts_in_one_state_are_pooled(cuts, confidence):
+    """Weights as their lengths; the error is Student's, of one series as long as all."""
     random = default_rng(2)
-    series = [autoregressive(random, n, 0.3) for n in (1000, 500)]
-    found = interval(series)
-    rest = series[0][200:], series[1][150:]
-    n = np.array([800, 350])
-    assert found.mean == pytest.approx(np.concatenate(rest).mean())
-    error = np.hypot(*n * [standard_error(one) for one in rest]) / n.sum()
-    assert found.half == pytest.approx(student.ppf(0.975, n.sum() // 30) * error, rel=1e-12)
+    series = [autoregressive(random, n, 0.3) for n in cuts]
+    found = interval(series, confidence=confidence)
+    rest = [one[cuts[len(one)] :] for one in series]
+    n = np.array([*map(len, rest)])
+    assert (found.mean, found.settled) == (pytest.approx(np.concatenate(rest).mean()), True)
+    error = np.linalg.norm(n * [standard_error(one) for one in rest]) / n.sum()
+    student_error = student.ppf((1 + confidence) / 2, n.sum() // 30) * error
+    assert found.half == pytest.approx(student_error, rel=1e-12)
+    assert np.isnan(found.chance) == (len(cuts) == 1)
 
 
 @pytest.mark.parametrize(("annulus", "apart"), [(False, 1.0), (True, 0.019)])
