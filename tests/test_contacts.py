@@ -145,15 +145,18 @@ PATHS = {  # rods at a place of the path, from where to where
     "round the end": (lambda x: in_plane(*round_the_end(x)), -0.3, 1.4),
     "through parallel": (
         lambda x: crossing(((0, 0, 0), (x, 0.001, 1)), ((0, -0.98, 0), (0, 0, 1))),
-        *(-0.3, 0.3),
+        -0.3,
+        0.3,
     ),
     "off the end": (
         lambda x: crossing(((0, 0, 0), (0.7, 0, 1)), ((0, -0.98, 5.6 + 2 * x), (-0.7, 0, 1))),
-        *(-0.3, 0.3),
+        -0.3,
+        0.3,
     ),
     "end past end": (
         lambda x: crossing(((0, 0, 0), (0, 0.001, 1)), ((0, -0.98, 8.5 + x), (0, 0, 1))),
-        *(-0.3, 0.3),
+        -0.3,
+        0.3,
     ),
     "round an end": (round_an_end, -0.3, 0.3),
     "past the inner wall": (lambda x: in_space(((5.49, 0, 0), (0.001, x, 1))), -0.3, 0.3),

@@ -14,7 +14,7 @@ import md
 from md import records, simulation
 from md.host import prepare
 
-from .rows import ROLLING, ring, row, vectors
+from .rows import ROLLING, in_space, ring, row, vectors
 
 
 def parsed(path):
@@ -66,18 +66,16 @@ def test_columns_say_where_each_rod_is_and_what_it_looks_like(written):
     assert frame["pbc"] == ("F F F" if scene.annulus else "T F F")
 
 
-@pytest.mark.parametrize("place", [(2, 0), (2, 0, 1)])
-@pytest.mark.parametrize("up", [-1, 1])
-def test_a_rod_straight_up_or_down_has_an_orientation(place, up):
-    level = [0] * (len(place) - 1)
-    rod = [*place, *level, up, *[0] * (3 if len(place) == 2 else 6)]
-    [(_, quaternion, *_)] = records._in_space(np.array([rod], float))
-    turned = Rotation.from_quat(quaternion).apply([0, 0, 1])
-    assert_allclose(turned, [0, 0, up], atol=1e-15)
+@pytest.mark.parametrize("up", [-1.0, 1.0])
+def test_a_rod_straight_up_or_down_has_an_orientation(up):
+    for rods in (np.array([[2, 0, 0, up, 0, 0, 0]]), in_space(((2, 0, 1), (0, 0, up)))):
+        [(_, quaternion, *_)] = records._in_space(rods)
+        turned = Rotation.from_quat(quaternion).apply([0, 0, 1])
+        assert_allclose(turned, [0, 0, up], atol=1e-15)
 
 
 def test_small_tilts_in_space_keep_their_digits():
-    [(*_, tilt)] = records._in_space(np.array([[2, 0, 1, 1e-9, 0, 1, *[0] * 6]]))
+    [(*_, tilt)] = records._in_space(in_space(((2, 0, 1), (1e-9, 0, 1))))
     assert tilt == pytest.approx(np.degrees(1e-9), rel=1e-15)
 
 
