@@ -82,7 +82,6 @@ OTHER_RODS = [
     [
         # flat ends on either side of 7.1 degrees, where the centre passes the edge
         *({"velocity": v, "rod": rod} for v in APPROACHES for rod in (ROD, FLAT)),
-        *({"velocity": v, "friction": 0.3} for v in APPROACHES),
         *({"rod": rod, **how} for rod in (ROD, FLAT) for how in INTEGRATED),
         *({"rod": rod, "tilts": TILTS[::2]} for rod in OTHER_RODS),
         {"friction": 0.0, "velocity": (0.3, -1.0, 0.2)},

@@ -159,7 +159,7 @@ def test_records_have_the_means_and_phases_of_the_run(made, kind):
     rows, result = made
     read, speed = getattr(md.records, kind), result.scene.plate_speed
     found = read(rows, result)
-    assert np.isnan(found["flight"]).any()
+    assert np.isnan(found.flight).any()
     [along] = found.dims
     behind = (found.time >= result.discarded) & np.isfinite(found.flight)
     part = found.sel({along: behind})
@@ -169,24 +169,28 @@ def test_records_have_the_means_and_phases_of_the_run(made, kind):
     each, least = md.records.touches(rows, result), HOP if kind == "landings" else -1
     begun = ((each.time >= result.discarded) & (each.flight > least)).sum()
     counted = result.scene.rods.count * (result.periods - result.discarded)
-    means["per_rod_and_period"] = begun / counted
-    means["flight_periods"] = part["flight"].mean()
-    means["plate_velocity"] = part["plate_velocity"].mean() / speed
+    means |= {
+        "per_rod_and_period": begun / counted,
+        "flight_periods": part.flight.mean(),
+        "plate_velocity": part.plate_velocity.mean() / speed,
+        "falling": (part.plate_velocity < 0).mean(),
+    }
     if kind == "touches":
-        means["restitution"] = -part["v_after"].sum() / part["v_before"].sum()
-        means["contact_periods"] = part["duration"].mean()
-        means["slip_stick"] = (part["regime"] == "slip-stick").mean()
-        means["pushed_by_others"] = (part["pushed_by_others"] > 0).mean()
-        counts, _ = np.histogram(part["phase"], len(result.phases), (0, 2 * np.pi))
+        means |= {
+            "restitution": -part.v_after.sum() / part.v_before.sum(),
+            "contact_periods": part.duration.mean(),
+            "slip_stick": (part.regime == "slip-stick").mean(),
+            "pushed_by_others": (part.pushed_by_others > 0).mean(),
+        }
+        counts, _ = np.histogram(part.phase, len(result.phases), (0, 2 * np.pi))
         assert_array_equal(counts, result.phases)
-    means["falling"] = (part["plate_velocity"] < 0).mean()
     assert len(means) > 8
     assert means == pytest.approx({name: wanted[name] for name in means}, rel=1e-10)
     step = 2 * np.pi / result.steps_per_period  # in which the plate's velocity is taken once
-    at_phases = speed * np.cos(found["phase"])
-    assert_allclose(found["plate_velocity"], at_phases, atol=1.01 * step * speed)
+    at_phases = speed * np.cos(found.phase)
+    assert_allclose(found.plate_velocity, at_phases, atol=1.01 * step * speed)
     late = np.concatenate(rows)
     assert read(late, result).equals(found)
     late[:, STEP] += 10**6 * result.steps_per_period
-    assert_allclose(read(late, result)["phase"], found["phase"], atol=1e-13)
+    assert_allclose(read(late, result).phase, found.phase, atol=1e-13)
     assert read([], result).sizes == {along: 0}
