@@ -43,7 +43,7 @@ from .kernels import (
 from .kernels.batch import no_contacts
 from .kernels.contact import ContactForces
 from .kernels.march import Series, Watchers, energy, march
-from .kernels.neighbours import nothing_listed
+from .kernels.neighbours import new_memory, nothing_listed
 from .kernels.state import Clock, Effects, Motion, Scratch, State, Walls
 from .kernels.touches import Record, new_record
 from .kernels.vectors import IN_SPACE
@@ -213,7 +213,7 @@ class Engine:
         at = f"at t = {self.step / self.per:.6g} periods (step {self.step} of {self.dt:g})"
         state, listed = self.rods.copy(), self.state.listed
         if why == PAIR_TOO_DEEP and listed is not None:
-            i, j, *_ = listed.index[listed.turn[0], where]
+            i, j, *_ = listed.index[where]
             return RunError(f"rods {i} and {j}: more than {DEEP} d deep in each other {at}", state)
         if why == TOO_FAST:  # by upper bounds of the speeds of all points
             _, _, velocity, turn = (np.linalg.norm(part, axis=1) for part in self._parts(state))
@@ -250,7 +250,7 @@ class Engine:
         """
         self.step = step
         if self.state.listed is not None:
-            pairs = room * arrays["listed.index"].shape[1]
+            pairs = room * len(arrays["listed.index"]) // 2
             self.state = at_start(self.effects, self.rods, pairs)
         for name, value in self.arrays().items():
             there = tuple(map(slice, arrays[name].shape))
@@ -325,7 +325,7 @@ def at_start(effects: Effects, rods: np.ndarray, pairs: int | None = None) -> St
     """
     n, space, between = len(rods), len(effects.up) == 3, effects.between
     walls = effects.walls
-    rubs = effects.friction, walls and walls.friction
+    springs = any(rub and rub.spring for rub in (effects.friction, walls and walls.friction))
     slots, part, columns = (SLOTS, 3, 6) if space else (2, 1, 3)
     order: Any = "C" if space else "F"  # the faster order; an array of one rod in a row has both
     listed = place = found = None
@@ -337,8 +337,7 @@ def at_start(effects: Effects, rods: np.ndarray, pairs: int | None = None) -> St
     return State(
         rods=rods,
         before=np.zeros((n, columns), order=order),
-        forces=np.zeros((n, slots, 1 + part)) if effects.normal or walls else None,
-        springs=np.zeros((n, slots, part)) if any(rub and rub.spring for rub in rubs) else None,
+        memory=new_memory(slots * n, part, bool(effects.normal or walls), springs),
         listed=listed,
         scratch=Scratch(np.zeros((n, columns), order=order), np.zeros(n), place, found, batch),
     )

@@ -155,7 +155,7 @@ def forces(engine, rods):
     """Force and torque on each of these rods, in place of its own, at rest; springs stay."""
     state = engine.state
     engine.rods[:], state.listed.travelled[:] = rods, np.inf
-    for last in (state.before, state.forces, state.listed.forces):
+    for last in (state.before, state.memory.forces, state.listed.memory.forces):
         last[:] = 0
     return go(engine, 1).state.scratch.total.copy()
 

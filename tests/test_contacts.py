@@ -229,7 +229,8 @@ def test_one_spring_goes_round_the_end():
     engine = started(rough, in_plane(*round_the_end(0.0)), dt=1e-7)
     forces(engine, in_plane(*round_the_end(places[0])))
     listed, touching = engine.state.listed, [overlap(at) > 0 for at in meetings(engine.rods)[0]]
-    listed.springs[listed.turn[0], 0, :, 0] = stretched * np.array(touching)
+    first = 4 * listed.turn[0]
+    listed.memory.springs[first : first + 4, 0] = stretched * np.array(touching)
     found = np.array([forces(engine, in_plane(*round_the_end(x)))[0, :2] for x in places])
     one = np.hypot(ONE, LOSSY.spring.root * sqrt(DEEP) * stretched)
     assert np.hypot(*found.T) == pytest.approx(one, rel=3e-4)
@@ -270,9 +271,9 @@ def test_a_head_on_collision_has_the_restitution_asked_for(effects, rods, e, con
     """
     effects = effects._replace(between=ContactForces(normal(e), SMOOTH))
     engine = go(started(effects, rods, dt=6e-5), 300)
-    assert np.count_nonzero(engine.state.listed.forces) == contacts
+    assert np.count_nonzero(engine.state.listed.memory.forces) == contacts
     go(engine, 2700)
-    assert not engine.state.listed.forces.any()
+    assert not engine.state.listed.memory.forces.any()
     _, velocity, turn = motion(engine)
     assert np.linalg.norm(velocity[0] - velocity[1]) == pytest.approx(e, abs=2e-3)
     assert np.abs(turn).max() < 1e-12

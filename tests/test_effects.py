@@ -136,7 +136,7 @@ EFFECTS = {
         SHAKEN | {"normal": LOSSY.normal, "friction": SPRING},
         SHAKEN,
         ALOFT,
-        "state.springs effects.normal.quarter",
+        "state.memory.springs effects.normal.quarter",
         "copysign",
     ),
     "spring's dissipation": (
@@ -157,7 +157,7 @@ EFFECTS = {
         {"between": ContactForces(RIGID, SPRING), "period": 1e3},
         TOUCHING,
         GROUND,
-        "effects.between.friction state.listed.springs effects.period",
+        "effects.between.friction state.listed.memory.springs effects.period",
         "copysign",
         r"llvm\.floor",
     ),
@@ -179,7 +179,7 @@ EFFECTS = {
         SPACE._asdict() | {"watched": True},  # as in other tests: parts of it are compiled
         WALLS,
         [3],
-        "effects.walls.friction effects.friction effects.between.friction state.springs"
+        "effects.walls.friction effects.friction effects.between.friction state.memory.springs"
         " effects.gravity effects.shaken effects.plate watchers.record",
         "sitofp",
     ),
@@ -211,7 +211,7 @@ def test_what_is_absent_everywhere_needs_next_to_nothing():
     """Rods that only fly have places, directions, velocities and accelerations alone."""
     engine = prepare(md.Scene(start=md.Start(tilt_deg=10.0)), ledger=False, touches=False)
     state, watchers = engine.state, engine.watchers
-    absent = state.forces, state.springs, state.listed, *state.scratch[2:], *watchers
+    absent = *state.memory, state.listed, *state.scratch[2:], *watchers
     assert [*absent] == [None] * 9
     assert list(engine.arrays()) == ["rods", "before"]
     assert set(engine.effects[2:6] + engine.effects[7:10] + engine.effects[11:]) == {None}
@@ -221,11 +221,11 @@ def test_no_friction_is_the_same_as_a_coefficient_of_zero():
     """It has no code, and neither has a plate that does not accelerate: it is one at rest."""
     still = "contacts.plate.friction=0", "plate.acceleration=0"
     engine = prepare(row(*still, "rods.length=1", "box=none", "start.tilt_deg=0"))
-    assert engine.effects.friction is engine.state.springs is engine.effects.plate is None
+    assert engine.effects.friction is engine.state.memory.springs is engine.effects.plate is None
     assert engine.effects.upper is engine.effects.period is None
     smooth = [f"contacts.{part}.friction=0" for part in ("plate", "rods", "wall")]
     state = prepare(ring(*smooth)).state
-    assert state.springs is state.listed.springs is None
+    assert state.memory.springs is state.listed.memory.springs is None
     alone = "contacts.rods=none", "rods.count=1", "start.tilt_deg=10"
     engine = prepare(ring("annulus.shaken=false", *alone))
     assert engine.effects.between is engine.effects.shaken is engine.state.listed is None

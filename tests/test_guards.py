@@ -155,7 +155,7 @@ def test_a_rod_pressed_between_shaken_walls_moves_with_them():
     turn = np.arange(4 * quarter) * pi / 2 / quarter
     plate = Motion(np.full(4 * quarter, -1e3), 0.2 * np.sin(turn))
     rod = started(SPACE._replace(walls=walls, plate=plate), in_space(((5.495, 0, 0), (0, 0, 1))))
-    rubs = go(rod, quarter // 2).state.forces[0, :, 3]
+    rubs = go(rod, quarter // 2).state.memory.forces[:, 3]
     inner, outer = (rubs[slot : slot + 2].sum() for slot in (kernels.INNER, kernels.OUTER))
     assert 0 < inner == pytest.approx(outer, rel=1e-3)
     assert go(rod, quarter // 2).rods[0, VELOCITY + 2] == pytest.approx(0.2, rel=2e-3)

@@ -44,7 +44,7 @@ def test_places_are_seen_from_the_plate(monkeypatch):
         assert not off[:, [0, 2, 3, 4, 6]].any()
         moved = [arrays["rods"][:, :2] - arrays["listed.built"][:, :2] for arrays in (there, seen)]
         assert_allclose(*moved, atol=1e-12)
-        assert_array_equal(there["springs"], seen["springs"])
+        assert_array_equal(there["memory.springs"], seen["memory.springs"])
 
 
 def test_time_to_reach_an_error():

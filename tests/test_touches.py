@@ -58,7 +58,7 @@ def test_touches_are_those_that_every_step_shows():
     for _ in range(20 * engine.per):
         states.append(engine.rods.copy())
         state = go(engine, 1).state
-        of_plate = state.forces[:, :, 1].sum(axis=1)
+        of_plate = state.memory.forces[:, 1].reshape(2, -1).sum(axis=0)
         by_plate.append(of_plate != 0)
         by_others.append(np.abs(state.before[:, 0] - of_plate) > 1e-9)
     rows = recorded(engine)

@@ -48,8 +48,9 @@ ROW_COLUMNS = 7
 PLACE, DIRECTOR, VELOCITY, TURN = 0, 3, 6, 9
 SPACE_COLUMNS = 12
 
-# Slots of the tangential springs of a rod in space.
-PLATE_CAPS, INNER, OUTER = 0, 2, 5  # plate: caps 0-1, inner wall: caps 2-3 and between 4, outer 5-6
+# Slots of the contacts of a rod: caps on the plate 0-1; in space caps on the inner wall 2-3,
+# between them 4, caps on the outer wall 5-6.
+INNER, OUTER = 2, 5
 SLOTS = 7
 CROSSING = 4  # slots of two rods: ends of the first 0-1, of the second 2-3, between their ends 4
 

@@ -39,13 +39,13 @@ class Batch(NamedTuple):
     """Contacts collected in a step."""
 
     numbers: np.ndarray  # (NUMBERS SIZE,): SIZE values of each number
-    place: np.ndarray  # (SIZE, 4): both rods, row and slot of the kept forces and springs
+    place: np.ndarray  # (SIZE, 3): both rods, row of the memory
 
 
 class Given(NamedTuple):
     """Contact that is to be computed, before it is stored in a batch."""
 
-    where: tuple  # both rods, of a wall twice the one; row and slot of the kept forces and springs
+    where: tuple  # both rods, of a wall twice the one; row of the memory
     gap: tuple  # d; 1 - overlap along the normal
     bodies: tuple  # this and the next two: as in `contact.Meeting`
     half: tuple
@@ -65,7 +65,7 @@ class Alike(NamedTuple):
 
 def no_contacts() -> Batch:
     """Create an empty batch."""
-    return Batch(np.ones(NUMBERS * SIZE), np.zeros((SIZE, 4), np.int64))
+    return Batch(np.ones(NUMBERS * SIZE), np.zeros((SIZE, 3), np.int64))
 
 
 @kernel
@@ -111,12 +111,9 @@ def fill_kept(numbers, c, kept):
 
 
 @kernel
-def enter(batch, n, given, kept, up):
-    """Store a contact at place n, with its forces and spring of `kept`; return the contact count.
-
-    `kept`: forces and springs of all contacts.
-    """
-    (numbers, place), (row, slot) = batch, given.where[2:]
+def enter(batch, n, given, memory, up):
+    """Store a contact at place n, with what the memory has of it; return the contact count."""
+    numbers, place = batch
     put(place, np.uint64(n), 0, given.where)
     fill(numbers, GAP, n, given.gap)
     for rod in range(len(given.bodies)):
@@ -127,7 +124,7 @@ def enter(batch, n, given, kept, up):
     fill(numbers, HALF, n, given.half)
     fill(numbers, GAIN, n, given.gain)
     fill(numbers, SHARE, n, (given.share,))
-    fill_kept(numbers, n, kept_of(up, *kept, row, slot))
+    fill_kept(numbers, n, kept_of(up, memory, given.where[2]))
     return n + 1
 
 
@@ -160,12 +157,12 @@ def act_on(alike, ledger, numbers, c, dt):
 
 
 @kernel(inline=False)
-def acted(alike, kept, sums, batch, ledger, count, dt):
+def acted(alike, memory, sums, batch, ledger, count, dt):
     """Compute the first `count` contacts; add forces and torques to `sums`, losses to the ledger.
 
-    `sums`: force and torque on each rod; `kept`: forces and springs of all contacts, renewed here.
+    `sums`: force and torque on each rod; the memory is renewed.
     """
-    (numbers, place), (forces, springs), up = batch, kept, alike.up
+    (numbers, place), up = batch, alike.up
     for c in range(min((count + WIDTH - 1) // WIDTH * WIDTH, SIZE)):  # beyond `count` idle ones
         act_on(alike, ledger, numbers, c, dt)
     for c in range(count):
@@ -174,8 +171,7 @@ def acted(alike, kept, sums, batch, ledger, count, dt):
             sign = 1.0 - 2.0 * rod  # the opposite force acts on the second
             arm = get_vector(numbers, ARM + 3 * rod, c, up)
             pull(sums, np.uint64(place[c, rod]), arm, times(sign, force))
-        row, slot = np.uint64(place[c, 2]), np.uint64(place[c, 3])
-        keep(forces, springs, row, slot, get_kept(numbers, c, up))
+        keep(memory, np.uint64(place[c, 2]), get_kept(numbers, c, up))
     if ledger is not None:
         for k in range(2):
             lost = 0.0

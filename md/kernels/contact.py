@@ -18,7 +18,7 @@ zero as long as |F_t| <= mu F_n (`constraint_friction`).
 """
 
 from math import copysign, sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ..cache import kernel
 from . import FREE, STICK
@@ -101,6 +101,16 @@ class Kept(NamedTuple):
     force: float  # F_n, m g
     rub: tuple  # F_t, m g: across the normal
     spring: tuple  # d; length of the tangential spring, across the normal
+
+
+class Memory(NamedTuple):
+    """What contacts keep, a row each: numbers of `Kept`; `None` where an effect does not need it.
+
+    A part across a normal has one number in the plane, and three in space.
+    """
+
+    forces: Any  # (contacts, 1 + part), m g: F_n and F_t
+    springs: Any  # (contacts, part), d
 
 
 class Meeting(NamedTuple):

@@ -24,7 +24,6 @@ from . import (
     FULL_RECORD,
     MEAN_X,
     NOT_FINITE,
-    PLATE_CAPS,
     PLATE_FRICTION,
     PLATE_NORMAL,
     PLATE_WORK,
@@ -142,23 +141,20 @@ def on_plate(normal, effects, state, watchers, i, plate, clock):
     """Add force and torque of the plate on rod i; return whether it is too deep in the plate."""
     if normal is None:
         return False
-    up, rods, total = effects.up, state.rods, state.scratch.total
-    forces, springs, rod = state.forces, state.springs, rod_of(up, rods, i)
+    up, rods, total, n = effects.up, state.rods, state.scratch.total, state.rods.shape[0]
+    memory, rod = state.memory, rod_of(up, rods, i)
     lowest = height(rod.place) - abs(height(rod.director)) * effects.half_length - 0.5
     if lowest >= plate[0]:
         for cap in range(2):
-            forget(up, forces, springs, i, PLATE_CAPS + cap)
+            forget(up, memory, cap * n + i)
         cleared(watchers.record, effects, rods, i, plate, clock.step)
         return False
     others = forces_at(up, total, i)
-    kept = (
-        kept_of(up, forces, springs, i, PLATE_CAPS),
-        kept_of(up, forces, springs, i, PLATE_CAPS + 1),
-    )
+    kept = kept_of(up, memory, i), kept_of(up, memory, n + i)
     (force, torque), caps = plate_forces(effects, rod, kept, plate, others, clock.dt)
     put(total, i, 0, (*force, *torque))
     for cap in range(2):
-        keep(forces, springs, i, PLATE_CAPS + cap, caps[cap].kept)
+        keep(memory, cap * n + i, caps[cap].kept)
         accounted(watchers.ledger, caps[cap], plate, clock.dt)
     pushed = others[0] != field(effects, rod.velocity)
     recorded(watchers.record, effects, rods, i, pushed, caps, plate, clock)
@@ -310,8 +306,8 @@ def of_pairs(between, effects, rods, listed, dt):
     if between is None:
         return total
     now = listed.turn[0]
-    for k in range(listed.start[now, rods.shape[0]]):
-        i, j, image = listed.index[now, k, 0], listed.index[now, k, 1], listed.index[now, k, 2]
+    for k in range(now, 2 * listed.start[now, rods.shape[0]], 2):
+        i, j, image = listed.index[k, 0], listed.index[k, 1], listed.index[k, 2]
         place, a = earlier(effects.up, rods, i, dt)
         other, b = earlier(effects.up, rods, j, dt)
         apart = seen_through(effects.period, along(place, -1.0, other), image)

@@ -22,7 +22,8 @@ import numpy as np
 
 from ..cache import kernel
 from . import DEEP, SKIN
-from .vectors import along, dot, put, vector
+from .contact import Memory
+from .vectors import along, dot, vector
 
 CHORD = 0.4142  # < sqrt(2) - 1: of the square root between 1 and 2, so a bound from below
 
@@ -114,8 +115,8 @@ PAIR = 5  # column of the pair in `Listed.asleep`, after the four ends and the c
 class Listed(NamedTuple):
     """List of pairs that may touch; of two copies `turn[0]` is in use, the other the last one.
 
-    Entries are sorted by first rod; those of rod i stand in `start[i]:start[i + 1]`. A pair has a
-    contact at each of four ends, and in space one between them.
+    Pairs are sorted by first rod; those of rod i are `start[i]:start[i + 1]`. Pair k has the entry
+    2 k + `turn[0]`. It has a contact at each of four ends, and in space one between them.
     """
 
     turn: np.ndarray  # (1,): 0 or 1
@@ -123,13 +124,20 @@ class Listed(NamedTuple):
     start: np.ndarray  # (2, rods + 1)
     # (capacity, 6), d: a contact or the pair does not touch until rods may have travelled this far
     asleep: np.ndarray
-    # (2, capacity, 4): first rod; second rod >= first; image of the second, in periods added to
-    # its x; what of them touches
+    # (entries, 4): first rod; second rod >= first; image of the second, in periods added to its x;
+    # what of them touches
     index: np.ndarray  # type: ignore[assignment]
-    springs: np.ndarray | None  # (2, capacity, contacts, part), d: part across the normal, 1 or 3
-    forces: np.ndarray  # (2, capacity, contacts, 1 + part), m g: F_n and F_t a step before
+    memory: Memory  # of the contacts of all entries, as `row_of` says
     built: np.ndarray  # (rods, 4), in space 6: centre and director when the list was built
     order: np.ndarray  # (rods,): by place in the box, or by azimuth
+
+
+def new_memory(contacts: int, part: int, forces: bool, springs: bool) -> Memory:
+    """Create an empty memory; `part`: numbers of a tangential part."""
+    return Memory(
+        np.zeros((contacts, 1 + part)) if forces else None,
+        np.zeros((contacts, part)) if springs else None,
+    )
 
 
 def nothing_listed(rods: int, capacity: int, springs: bool, space: bool) -> Listed:
@@ -140,12 +148,17 @@ def nothing_listed(rods: int, capacity: int, springs: bool, space: bool) -> List
         np.full(1, np.inf),
         np.zeros((2, rods + 1), np.int64),
         np.zeros((capacity, 6)),
-        np.zeros((2, capacity, 4), np.int64),
-        np.zeros((2, capacity, contacts, part)) if springs else None,
-        np.zeros((2, capacity, contacts, 1 + part)),
+        np.zeros((2 * capacity, 4), np.int64),
+        new_memory(2 * capacity * contacts, part, True, springs),
         np.full((rods, 2 * dimensions), 1e300),  # far away; inf times a zero length would be nan
         np.arange(rods),
     )
+
+
+@kernel
+def row_of(up, entry, slot):
+    """Row of a contact in the memory of a list; `slot`: which one of its entry."""
+    return (2 + len(up)) * entry + slot
 
 
 @kernel(inline=False)
@@ -246,20 +259,21 @@ def pair_up(up, rods, half, period, order, place, found):
 
 
 @kernel
-def carry(kept, old, before, new, k):
-    """Copy forces or springs of the old entry `before` to the new entry k; zeros if it is -1."""
+def carry(kept, row, old, contacts):
+    """Copy forces or springs of contacts to `row` and on from the row `old`; zeros if it is < 0."""
     if kept is not None:
-        for c in range(kept.shape[2]):
-            for d in range(kept.shape[3]):
-                kept[new, k, c, d] = kept[old, before, c, d] if before >= 0 else 0.0
+        for c in range(contacts):
+            for d in range(kept.shape[1]):
+                kept[row + c, d] = kept[old + c, d] if old >= 0 else 0.0
 
 
 @kernel(inline=False)
-def rebuilt(n, listed, found, count):
+def rebuilt(up, n, listed, found, count):
     """Rebuild the list of n rods from the pairs `found`; entries keep their forces and springs."""
     old = listed.turn[0]
     new, start, index = 1 - old, listed.start, listed.index
-    start[new] = 0
+    for i in range(n + 1):
+        start[new, i] = 0
     for m in range(count):
         start[new, found[m, 0]] += 1
     total = 0
@@ -269,14 +283,16 @@ def rebuilt(n, listed, found, count):
     for m in range(count - 1, -1, -1):
         i = found[m, 0]
         start[new, i] -= 1
-        k = start[new, i]
-        put(index[new], k, 0, found[m])
-        before, index[new, k, 3] = -1, 0
-        for o in range(start[old, i], start[old, i + 1]):
-            if index[old, o, 1] == found[m, 1] and index[old, o, 2] == found[m, 2]:
-                before, index[new, k, 3] = o, index[old, o, 3]
-        carry(listed.springs, old, before, new, k)
-        carry(listed.forces, old, before, new, k)
+        k, before = 2 * start[new, i] + new, -1
+        for c in range(3):
+            index[k, c] = found[m, c]
+        index[k, 3] = 0
+        for o in range(2 * start[old, i] + old, 2 * start[old, i + 1], 2):
+            if index[o, 1] == found[m, 1] and index[o, 2] == found[m, 2]:
+                before, index[k, 3] = o, index[o, 3]
+        row, last = row_of(up, k, 0), row_of(up, before, 0)
+        carry(listed.memory.springs, row, last, 2 + len(up))
+        carry(listed.memory.forces, row, last, 2 + len(up))
     listed.turn[0] = new
     listed.travelled[0] = 0.0
 
@@ -300,15 +316,18 @@ def renewed(up, rods, half, period, listed, place, found):
 
     `place`, (rods,), and `found`, (capacity, 3), are scratch.
     """
-    listed.asleep[:] = 0.0
+    for k in range(listed.asleep.shape[0]):
+        for c in range(listed.asleep.shape[1]):
+            listed.asleep[k, c] = 0.0
     listed.travelled[0] = farthest(rods, listed.built, half)
     if not outdated(listed):
         return True
     count = pair_up(up, rods, half, period, listed.order, place, found)
     if count >= 0:
-        rebuilt(rods.shape[0], listed, found, count)
+        rebuilt(up, rods.shape[0], listed, found, count)
         for i in range(rods.shape[0]):
-            put(listed.built, i, 0, rods[i, : listed.built.shape[1]])
+            for c in range(listed.built.shape[1]):
+                listed.built[i, c] = rods[i, c]
     return count >= 0
 
 

@@ -45,6 +45,7 @@ from .neighbours import (
     near_end,
     outdated,
     renewed,
+    row_of,
 )
 from .state import forces_at, forget, point, pull, rod_of
 from .vectors import along, axial, put, times
@@ -61,7 +62,7 @@ class Pair(NamedTuple):
 
     i: np.uint64  # first rod
     j: np.uint64  # second rod
-    entry: np.uint64  # of the list
+    entry: int  # of the list
     axes: Axes
 
 
@@ -80,7 +81,7 @@ def pair_of(effects, rods, index, k):
     i, j, up = np.uint64(index[k, 0]), np.uint64(index[k, 1]), effects.up  # never negative
     first, second = rod_of(up, rods, i), rod_of(up, rods, j)
     apart = seen_through(effects.period, along(first.place, -1.0, second.place), index[k, 2])
-    return Pair(i, j, np.uint64(k), Axes(apart, first.director, second.director))
+    return Pair(i, j, k, Axes(apart, first.director, second.director))
 
 
 @kernel
@@ -92,19 +93,6 @@ def seen_through(period, apart, image):
     if period is None:
         return apart
     return apart[0] - period * image, apart[1]
-
-
-@kernel
-def kept_in(array, now):
-    """Forces or springs of the list in use, from an array for both lists; None without an array."""
-    return None if array is None else array[now]
-
-
-@kernel
-def in_use(listed):
-    """Forces and springs of the list in use."""
-    now = listed.turn[0]
-    return listed.forces[now], kept_in(listed.springs, now)
 
 
 @kernel
@@ -124,17 +112,17 @@ def collect(effects, state, n, pair, near, share, slot):
     v, gain = moving(effects, state, i, p)
     u, other = moving(effects, state, j, q)
     half, gain = along(v, -1.0, u), along(gain, -1.0, other)
-    where = i, j, entry, np.uint64(slot)
+    where = i, j, np.uint64(row_of(effects.up, entry, slot))
     given = Given(where, gap, ((p, a), (q, b)), half, gain, share)
-    return enter(state.scratch.batch, n, given, in_use(state.listed), effects.up)
+    return enter(state.scratch.batch, n, given, state.listed.memory, effects.up)
 
 
 @kernel
 def act(effects, state, ledger, count, dt):
     """Compute the collected contacts and add their forces to rods; return 0, as none is left."""
-    kept, total, batch = in_use(state.listed), state.scratch.total, state.scratch.batch
+    total, batch = state.scratch.total, state.scratch.batch
     alike = Alike(effects.between, TWO, effects.inertia, effects.up, PAIR_NORMAL)
-    acted(alike, kept, total, batch, ledger, count, dt)
+    acted(alike, state.listed.memory, total, batch, ledger, count, dt)
     return 0
 
 
@@ -171,18 +159,20 @@ def joint(square, first, second):
 
 
 @kernel
-def one_spring(springs, now, k, end, other, first, second, up):
-    """Give both contacts of two ends that meet one spring, where one has no foot of its own."""
+def one_spring(springs, own, other, first, second, up):
+    """Give both contacts of two ends that meet one spring, where one has no foot of its own.
+
+    `own`, `other`: their rows.
+    """
     if springs is None or (first > 0.0 and second > 0.0):
         return
-    own = springs[now, k]
-    length = axial(own, end, 0, up)
+    length = axial(springs, own, 0, up)
     if first == 0.0:
-        length = axial(own, other, 0, up)
+        length = axial(springs, other, 0, up)
         if second == 0.0:
-            length = along(times(0.5, length), 0.5, axial(own, end, 0, up))
-    put(own, end, 0, length)
-    put(own, other, 0, length)
+            length = along(times(0.5, length), 0.5, axial(springs, own, 0, up))
+    put(springs, own, 0, length)
+    put(springs, other, 0, length)
 
 
 @kernel(inline=False)
@@ -197,7 +187,8 @@ def joined_ends(effects, state, pair, near, end):
     ends = near_at(pair.axes, near.s, back.t)
     first, second = abs(ends.t - near.t), abs(ends.s - back.s)
     met = joint(ends.square, first, second)
-    one_spring(listed.springs, listed.turn[0], pair.entry, end, other, first, second, up)
+    row = row_of(up, pair.entry, 0)
+    one_spring(listed.memory.springs, row + end, row + other, first, second, up)
     if first > 0.0 and second > 0.0:
         force = effects.between.normal.stiffness * met.force
         repel(total, pair, near, met.part * force)
@@ -278,7 +269,7 @@ def crossing(up, effects, state, pair, was, n):
     near, inside, skew = between_ends(pair.axes, half)
     if not inside or near.square >= 1.0:
         if was & BETWEEN:
-            forget(up, *in_use(state.listed), pair.entry, CROSSING)
+            forget(up, state.listed.memory, row_of(up, pair.entry, CROSSING))
         return n, inside, near.square if inside else np.inf
     margin = half - max(abs(near.s), abs(near.t))
     clear, share = margin * margin * skew >= max(SHARED, 1.0 - near.square), 1.0
@@ -307,11 +298,12 @@ def pair_forces(between, effects, state, ledger, dt):
     ):
         return FULL_LIST, 0
     travelled, now, asleep = listed.travelled[0], listed.turn[0], listed.asleep
-    up, index, kept = effects.up, listed.index[now], in_use(listed)
+    up, index, memory = effects.up, listed.index, listed.memory
     for k in range(listed.start[now, rods.shape[0]]):
         if travelled < asleep[k, PAIR]:
             continue
-        pair, was = pair_of(effects, rods, index, k), index[k, TOUCHED]
+        entry = 2 * k + now
+        pair, was = pair_of(effects, rods, index, entry), index[entry, TOUCHED]
         if was == 0:
             open_by = clearance(pair.axes, half)
             if open_by >= 0.0:
@@ -321,24 +313,24 @@ def pair_forces(between, effects, state, ledger, dt):
             n = act(effects, state, ledger, n, dt)
         n, clear, square = crossing(up, effects, state, pair, was, n)
         if square < (1 - DEEP) ** 2:
-            return PAIR_TOO_DEEP, k
+            return PAIR_TOO_DEEP, entry
         touches, until = BETWEEN if square < 1.0 else 0, np.inf
         lower = upper = 1.0  # shares left to the contacts at the ends of the second rod
         if clear and was & ENDS:
             for end in range(4):
-                forget(up, *kept, k, end)
+                forget(up, memory, row_of(up, entry, end))
         for end in range(0 if clear else ends_of(effects.upper)):
             if travelled < asleep[k, end]:
                 until = min(until, asleep[k, end])
                 continue
             near = near_end(pair.axes, half, end)
             if near.square >= 1.0:
-                forget(up, *kept, k, end)
+                forget(up, memory, row_of(up, entry, end))
                 asleep[k, end] = travelled + 0.5 * CHORD * (min(near.square, 2.0) - 1.0)
                 until = min(until, asleep[k, end])
                 continue
             if near.square < (1 - DEEP) ** 2:
-                return PAIR_TOO_DEEP, k
+                return PAIR_TOO_DEEP, entry
             touches |= ENDS
             share = (1.0, 1.0, lower, upper)[end]
             if meets(effects.upper, end, near, half):
@@ -348,7 +340,7 @@ def pair_forces(between, effects, state, ledger, dt):
                 else:
                     upper += left - 1.0
             n = collect(effects, state, n, pair, near, share, end)
-        index[k, TOUCHED] = touches
+        index[entry, TOUCHED] = touches
         if touches == 0 and not clear:
             asleep[k, PAIR] = until
     act(effects, state, ledger, n, dt)

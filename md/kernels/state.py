@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..cache import kernel
-from .contact import ContactForces, Friction, Inertia, Kept, Normal, turning
+from .contact import ContactForces, Friction, Inertia, Kept, Memory, Normal, turning
 from .neighbours import Listed
 from .vectors import (
     IN_PLANE,
@@ -75,15 +75,11 @@ class Scratch(NamedTuple):
 
 
 class State(NamedTuple):
-    """State of moving rods; an array is `None` if no effect needs it.
-
-    A part across a normal has one number in the plane, and three in space.
-    """
+    """State of moving rods; an array is `None` if no effect needs it."""
 
     rods: np.ndarray  # (rods, 7), in space 12; d, sqrt(g d), sqrt(g/d)
     before: np.ndarray  # (rods, 3), in space 6: accelerations of the step before, in g and g/d
-    forces: np.ndarray | None  # (rods, slots, 1 + part), m g: F_n and F_t of plate and walls
-    springs: np.ndarray | None  # (rods, slots, part), d: tangential springs of plate and walls
+    memory: Memory  # of contacts with plate and walls; that in slot s of rod i has row s rods + i
     listed: Listed | None
     scratch: Scratch
 
@@ -152,19 +148,18 @@ def pull(total, i, arm, force):
 
 
 @kernel
-def kept_of(up, forces, springs, row, slot):
-    """`Kept` of a contact from its row and slot; zero where an array is `None`."""
-    force = 0.0 if forces is None else forces[row, slot, 0]
-    rub, spring = kept_part(up, forces, row, slot, 1), kept_part(up, springs, row, slot, 0)
-    return Kept(force, rub, spring)
+def kept_of(up, memory, row):
+    """`Kept` of a contact from its row."""
+    force, rub = memory.forces[row, 0], axial(memory.forces, row, 1, up)
+    return Kept(force, rub, spring_of(up, memory.springs, row))
 
 
 @kernel
-def kept_part(up, array, row, slot, first):
-    """Tangential part that an array keeps of a contact; zero without the array."""
-    if array is None:
+def spring_of(up, springs, row):
+    """Length of the spring of a contact; zero without springs."""
+    if springs is None:
         return nothing_across(up)
-    return axial(array[row], slot, first, up)
+    return axial(springs, row, 0, up)
 
 
 @kernel
@@ -174,16 +169,20 @@ def nothing_kept(up):
 
 
 @kernel
-def keep(forces, springs, row, slot, kept):
-    """Keep force and spring of a contact for the next step, in arrays that are not `None`."""
-    if forces is not None:
-        forces[row, slot, 0] = kept.force
-        put(forces[row], slot, 1, kept.rub)
-    if springs is not None:
-        put(springs[row], slot, 0, kept.spring)
+def keep(memory, row, kept):
+    """Keep forces and spring of a contact for the next step."""
+    put(memory.forces, row, 0, (kept.force, *kept.rub))
+    keep_spring(memory.springs, row, kept.spring)
 
 
 @kernel
-def forget(up, forces, springs, row, slot):
-    """Clear the kept force and spring of a contact that is open."""
-    keep(forces, springs, row, slot, nothing_kept(up))
+def keep_spring(springs, row, length):
+    """Keep the length of a spring, if there are springs."""
+    if springs is not None:
+        put(springs, row, 0, length)
+
+
+@kernel
+def forget(up, memory, row):
+    """Clear what is kept of a contact that is open."""
+    keep(memory, row, nothing_kept(up))

@@ -196,7 +196,6 @@ class At(NamedTuple):
     reach: float  # d; from there to the wall
     out: tuple[float, float, float]  # unit vector from the wall to the rod
     share: float  # weight of the contact, 0 to 1
-    slot: int  # of its kept force and spring
 
 
 @kernel
@@ -226,10 +225,10 @@ def from_axis(point):
 
 
 @kernel
-def collect(effects, state, n, i, at, climb, dt):
+def collect(effects, state, n, i, at, row, climb, dt):
     """Store a contact of rod i with a wall at place n of the batch; return the contact count.
 
-    `climb`: velocity of a shaken wall half a step before, and at the step.
+    `row`: of the memory; `climb`: velocity of a shaken wall half a step before, and at the step.
     """
     director, rod = rod_of(IN_SPACE, state.rods, i).director, np.uint64(i)
     arm = along(times(at.s, director), -at.reach, at.out)
@@ -239,18 +238,17 @@ def collect(effects, state, n, i, at, climb, dt):
         half, gain = raised(half, -before), raised(gain, (before - now) * 2 / dt)
     # a rounding may have told a touch
     gap = times(0.5 + min(at.reach, 0.5), at.out)
-    where = rod, rod, rod, np.uint64(at.slot)
+    where = rod, rod, np.uint64(row)
     given = Given(where, gap, ((arm, director),), half, gain, at.share)
-    return enter(state.scratch.batch, n, given, (state.forces, state.springs), IN_SPACE)
+    return enter(state.scratch.batch, n, given, state.memory, IN_SPACE)
 
 
 @kernel
 def act(effects, state, ledger, climb, count, dt):
     """Compute the collected contacts and add their forces to rods; return 0, as none is left."""
     total, batch = state.scratch.total, state.scratch.batch
-    kept = state.forces, state.springs
     alike = Alike(effects.walls, ONE, effects.inertia, IN_SPACE, WALL_NORMAL)
-    acted(alike, kept, total, batch, ledger, count, dt)
+    acted(alike, state.memory, total, batch, ledger, count, dt)
     worked(effects.shaken, ledger, batch.numbers, climb[1] * dt, count)
     return 0
 
@@ -276,7 +274,7 @@ def beside(radius, place, director, half, s):
     rho, out = from_axis(along(place, s, director))
     lower = weight_by(place, director, -half, rho)
     upper = weight_by(place, director, half, rho)
-    return At(s, rho - radius, out, lower[0] * upper[0], INNER + 2), lower, upper
+    return At(s, rho - radius, out, lower[0] * upper[0]), lower, upper
 
 
 @kernel
@@ -295,34 +293,35 @@ def keep_energy(law, total, i, half, director, at, lower, upper):
 def at_wall(radius, effects, state, ledger, side, climb, n, dt):
     """Collect contacts of all rods with a wall; return their count, and a rod too deep or -1."""
     rods, half, slot = state.rods, effects.half_length, INNER if side > 0 else OUTER
-    touching = radius + 0.5 * side
-    for i in range(rods.shape[0]):
+    touching, count = radius + 0.5 * side, rods.shape[0]
+    for i in range(count):
         place, director = rod_of(IN_SPACE, rods, i)[:2]
         seen = from_above(place, director)
         if n > MOST:
             n = act(effects, state, ledger, climb, n, dt)
         for cap in range(1 if effects.upper is None else 2):
-            s = half if cap else -half
+            s, row = half if cap else -half, (slot + cap) * count + i
             square = seen[0] + s * (2.0 * seen[1] + s * seen[2])  # d^2; of the end, from the axis
             if side * (square - touching**2) >= 0:
-                forget(IN_SPACE, state.forces, state.springs, i, slot + cap)
+                forget(IN_SPACE, state.memory, row)
                 continue
             rho, out = from_axis(along(place, s, director))
             reach = side * (rho - radius)
             if not 0.5 - reach <= DEEP:
                 return n, i
-            at = At(s, reach, times(side, out), 1.0, slot + cap)
-            n = collect(effects, state, n, i, at, climb, dt)
+            at = At(s, reach, times(side, out), 1.0)
+            n = collect(effects, state, n, i, at, row, climb, dt)
         if side > 0:
+            row = (slot + 2) * count + i
             if passes(seen, half, touching):
                 at, lower, upper = beside(radius, place, director, half, -seen[1] / seen[2])
                 if not 0.5 - at.reach <= DEEP:
                     return n, i
                 law, total = effects.walls.normal, state.scratch.total
                 keep_energy(law, total, i, half, director, at, lower, upper)
-                n = collect(effects, state, n, i, at, climb, dt)
+                n = collect(effects, state, n, i, at, row, climb, dt)
             else:
-                forget(IN_SPACE, state.forces, state.springs, i, slot + 2)
+                forget(IN_SPACE, state.memory, row)
     return n, -1
 
 

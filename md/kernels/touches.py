@@ -212,11 +212,12 @@ def ended(record, effects, rods, i, plate, step):
     row[PUSHED] /= row[DURATION]
     row[REGIME] = regime_of(watch)
     row[DEEPEST] = watch[WATCH_DEEPEST]
-    put(record.rows, n, 0, row[:WIDTH])
+    for c in range(WIDTH):
+        record.rows[n, c] = row[c]
     record.count[0] = n + 1
     row[_LEFT] = step
-    put(record.open, i, LAST, watch)
-    watch[:] = 0.0
+    for c in range(WATCHED):
+        row[LAST + c], watch[c] = watch[c], 0.0
 
 
 @kernel
