@@ -337,7 +337,7 @@ def at_start(effects: Effects, rods: np.ndarray, pairs: int | None = None) -> St
     return State(
         rods=rods,
         before=np.zeros((n, columns), order=order),
-        memory=new_memory(slots * n, part, bool(effects.normal or walls), springs),
+        memory=new_memory(slots * n, part, effects.normal or walls, springs),
         listed=listed,
         scratch=Scratch(np.zeros((n, columns), order=order), np.zeros(n), place, found, batch),
     )

@@ -11,6 +11,7 @@ from numpy.testing import assert_array_equal
 import md
 from md import accuracy
 from md.accuracy import ALLOWANCE, STEPS_PER_CONTACT, stepped, steps_per_contact
+from md.host import stable_step
 from md.result import accuracy_lines, result_text
 from md.scene import _parsed, put, read_tables
 from md.store import table
@@ -46,6 +47,29 @@ def test_a_fall_at_the_start_takes_no_step_that_is_not_stable(change, measure_bi
     assert md.host.step_of(replace(chosen, step=md.Step(0.99 * size, coarse=True)))[0] <= size
     with pytest.raises(md.InputError, match="to be stable"):
         md.host.step_of(replace(chosen, step=md.Step(1.05 * size, coarse=True)))
+
+
+def test_the_bias_of_rows_that_hardly_lean_is_measured_by_steps_stable_for_their_friction():
+    """The allowance is for rows that lean 20 degrees or more; one that just does takes it."""
+    length = md.load("quasi2d").rods.count / np.cos(np.radians([19.9, 20.3]))
+    upright, leaning = (md.load("quasi2d", ["step.size=none", f"box.length={x}"]) for x in length)
+    (chosen, measured), (_, doubled) = (stepped(row, 0.3) for row in (upright, leaning))
+    assert measured
+    assert not doubled
+    assert 2 * chosen.step.size == pytest.approx(stable_step(upright)[0])
+
+
+def test_the_drift_of_a_row_that_hardly_leans_is_that_of_fine_steps():
+    """At 24 steps a contact, where its friction shakes it, it would be ten times as fast."""
+    jammed = ["rods.count=20", "box.length=20.5", "plate.acceleration=2"]
+    found = md.run(md.load("quasi2d", jammed), tolerance=0.5)
+    finer = md.run(md.load("quasi2d", [*jammed, "step.size=4e-5"]), periods=320)
+    assert abs(found.c_x - finer.c_x) < found.accuracy.error + 3 * finer.c_x_stderr
+    coarse = md.load("quasi2d", [*jammed, "step.size=3.3e-4", "step.coarse=true"])
+    shaken = md.run(coarse, periods=320)
+    assert shaken.c_x > 5 * finer.c_x
+    assert "energy does not balance" in str(shaken)
+    assert "balance" not in f"{finer}{found}"
 
 
 def test_the_bias_of_a_law_of_ones_own_is_measured():

@@ -141,8 +141,8 @@ def on_plate(normal, effects, state, watchers, i, plate, clock):
     """Add force and torque of the plate on rod i; return whether it is too deep in the plate."""
     if normal is None:
         return False
-    up, rods, total, n = effects.up, state.rods, state.scratch.total, state.rods.shape[0]
-    memory, rod = state.memory, rod_of(up, rods, i)
+    up, rods, total = effects.up, state.rods, state.scratch.total
+    memory, rod, n = state.memory, rod_of(up, rods, i), rods.shape[0]
     lowest = height(rod.place) - abs(height(rod.director)) * effects.half_length - 0.5
     if lowest >= plate[0]:
         for cap in range(2):

@@ -16,7 +16,7 @@ travelled half of their gap.
 """
 
 from math import asin, atan2, pi, sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -132,8 +132,8 @@ class Listed(NamedTuple):
     order: np.ndarray  # (rods,): by place in the box, or by azimuth
 
 
-def new_memory(contacts: int, part: int, forces: bool, springs: bool) -> Memory:
-    """Create an empty memory; `part`: numbers of a tangential part."""
+def new_memory(contacts: int, part: int, forces: Any, springs: Any) -> Memory:
+    """Create an empty memory; `part`: numbers of a tangential part; forces, springs: if any."""
     return Memory(
         np.zeros((contacts, 1 + part)) if forces else None,
         np.zeros((contacts, part)) if springs else None,
@@ -259,12 +259,13 @@ def pair_up(up, rods, half, period, order, place, found):
 
 
 @kernel
-def carry(kept, row, old, contacts):
-    """Copy forces or springs of contacts to `row` and on from the row `old`; zeros if it is < 0."""
+def carry(up, kept, entry, before):
+    """Copy forces or springs of an entry from the entry `before`; zeros if it is -1."""
     if kept is not None:
-        for c in range(contacts):
+        row, last = row_of(up, entry, 0), row_of(up, before, 0)
+        for c in range(2 + len(up)):
             for d in range(kept.shape[1]):
-                kept[row + c, d] = kept[old + c, d] if old >= 0 else 0.0
+                kept[row + c, d] = kept[last + c, d] if before >= 0 else 0.0
 
 
 @kernel(inline=False)
@@ -290,9 +291,8 @@ def rebuilt(up, n, listed, found, count):
         for o in range(2 * start[old, i] + old, 2 * start[old, i + 1], 2):
             if index[o, 1] == found[m, 1] and index[o, 2] == found[m, 2]:
                 before, index[k, 3] = o, index[o, 3]
-        row, last = row_of(up, k, 0), row_of(up, before, 0)
-        carry(listed.memory.springs, row, last, 2 + len(up))
-        carry(listed.memory.forces, row, last, 2 + len(up))
+        carry(up, listed.memory.springs, k, before)
+        carry(up, listed.memory.forces, k, before)
     listed.turn[0] = new
     listed.travelled[0] = 0.0
 

@@ -120,9 +120,9 @@ def collect(effects, state, n, pair, near, share, slot):
 @kernel
 def act(effects, state, ledger, count, dt):
     """Compute the collected contacts and add their forces to rods; return 0, as none is left."""
-    total, batch = state.scratch.total, state.scratch.batch
+    scratch = state.scratch
     alike = Alike(effects.between, TWO, effects.inertia, effects.up, PAIR_NORMAL)
-    acted(alike, state.listed.memory, total, batch, ledger, count, dt)
+    acted(alike, state.listed.memory, scratch.total, scratch.batch, ledger, count, dt)
     return 0
 
 

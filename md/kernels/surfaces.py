@@ -246,10 +246,10 @@ def collect(effects, state, n, i, at, row, climb, dt):
 @kernel
 def act(effects, state, ledger, climb, count, dt):
     """Compute the collected contacts and add their forces to rods; return 0, as none is left."""
-    total, batch = state.scratch.total, state.scratch.batch
+    scratch = state.scratch
     alike = Alike(effects.walls, ONE, effects.inertia, IN_SPACE, WALL_NORMAL)
-    acted(alike, state.memory, total, batch, ledger, count, dt)
-    worked(effects.shaken, ledger, batch.numbers, climb[1] * dt, count)
+    acted(alike, state.memory, scratch.total, scratch.batch, ledger, count, dt)
+    worked(effects.shaken, ledger, scratch.batch.numbers, climb[1] * dt, count)
     return 0
 
 
