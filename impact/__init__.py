@@ -40,6 +40,9 @@ To add a function
 4. Give `tests/test_public_api.py` its arguments and what it refuses.
 """
 
+from importlib import import_module
+from typing import Any
+
 from ._arguments import InputError
 from ._impacts import Regime
 from .boundaries import (
@@ -90,10 +93,12 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> str:
-    """Load the version only when asked for."""
+def __getattr__(name: str) -> Any:
+    """Load the version, and modules that need Numba, only when asked for."""
     if name == "__version__":
         from importlib.metadata import version  # late: a fifth of the time of import impact
 
         return version("rod-impact")
+    if name in ("bouncing", "compiled"):
+        return import_module(f".{name}", __name__)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

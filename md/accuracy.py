@@ -278,7 +278,7 @@ def stepped(scene: Scene, tolerance: float, measure_bias: bool = False) -> tuple
     A bias that is measured is known to about a third of itself: below the allowance the step
     shrinks with the tolerance.
     """
-    own = any(c.law.name not in LAWS for c in vars(scene.contacts).values() if c is not None)
+    own = any(c.law.name not in LAWS for c in filter(None, vars(scene.contacts).values()))
     upright = scene.box is not None and scene.tilt < UPRIGHT
     doubled = measure_bias or own or upright or tolerance < 2 * ALLOWANCE
     n = STEPS_PER_CONTACT * max(1.0, ALLOWANCE / tolerance)

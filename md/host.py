@@ -323,8 +323,7 @@ def at_start(effects: Effects, rods: np.ndarray, pairs: int | None = None) -> St
 
     `pairs`: of them that a list has room for; None: 8 a rod, and 56.
     """
-    n, space, between = len(rods), len(effects.up) == 3, effects.between
-    walls = effects.walls
+    n, space, between, walls = len(rods), len(effects.up) == 3, effects.between, effects.walls
     springs = any(rub and rub.spring for rub in (effects.friction, walls and walls.friction))
     slots, part, columns = (SLOTS, 3, 6) if space else (2, 1, 3)
     order: Any = "C" if space else "F"  # the faster order; an array of one rod in a row has both

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 NOTHING = 1e-6  # of the plate's peak velocity: a slower drift counts as zero
-UNBALANCED = 0.05  # of the plate's work, or of what is lost: steps so long make energy or lose it
+UNBALANCED = 0.05  # of the plate's work, or what is lost, or 1 m g d: too long steps make energy
 SETTLING = 400  # periods; rods in an annulus rearrange for two hundred (Fig. 5)
 
 
@@ -205,7 +205,7 @@ def result_text(result: Result) -> str:
             f"energy       plate {energy['plate_work']:.4g}, lost {lost:.4g}, "
             f"gained {energy['change']:.3g}, residual {energy['residual']:.1e} m g d"
         )
-        if abs(energy["residual"]) > UNBALANCED * max(energy["plate_work"], lost):
+        if abs(energy["residual"]) > UNBALANCED * max(energy["plate_work"], lost, 1.0):
             lines.append("warning      energy does not balance: ask for shorter steps")
     return "\n".join([*lines, *_cost(result), *accuracy_lines(result)])
 

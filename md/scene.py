@@ -341,7 +341,9 @@ def _contact(name: str, table: Mapping) -> Contact:
     try:
         return Contact(LAWS[law](**options), friction)
     except InputError as error:
-        raise InputError(f"{name}.{str(error).removeprefix('contact.')}") from None
+        raise InputError(
+            f"{name}.{str(error).removeprefix('contact.').removeprefix('normal.')}"
+        ) from None
 
 
 def _part(hint: Any) -> Any:

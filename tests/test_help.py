@@ -121,6 +121,11 @@ def test_help_is_cheap():
     assert not {"matplotlib", "md", "numba", "scipy", "sympy"} & {*done.stdout.split()}
 
 
+def test_modules_that_need_numba_are_attributes_of_impact():
+    done = python("-c", "import impact; print(impact.bouncing.Bouncing, impact.compiled.__name__)")
+    assert done.stdout.split()[-1] == "impact.compiled"
+
+
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a disk that is always full")
 @pytest.mark.parametrize(
     ("words", "unbuffered"),

@@ -142,14 +142,14 @@ def new_memory(contacts: int, part: int, forces: Any, springs: Any) -> Memory:
 
 def nothing_listed(rods: int, capacity: int, springs: bool, space: bool) -> Listed:
     """Create a list of pairs that is empty and out of date."""
-    contacts, part, dimensions = (5, 3, 3) if space else (4, 1, 2)
+    part, dimensions = (3, 3) if space else (1, 2)
     return Listed(
         np.zeros(1, np.int64),
         np.full(1, np.inf),
         np.zeros((2, rods + 1), np.int64),
-        np.zeros((capacity, 6)),
+        np.zeros((capacity, PAIR + 1)),
         np.zeros((2 * capacity, 4), np.int64),
-        new_memory(2 * capacity * contacts, part, True, springs),
+        new_memory(2 * capacity * (2 + dimensions), part, True, springs),
         np.full((rods, 2 * dimensions), 1e300),  # far away; inf times a zero length would be nan
         np.arange(rods),
     )
@@ -317,7 +317,7 @@ def renewed(up, rods, half, period, listed, place, found):
     `place`, (rods,), and `found`, (capacity, 3), are scratch.
     """
     for k in range(listed.asleep.shape[0]):
-        for c in range(listed.asleep.shape[1]):
+        for c in range(PAIR + 1):
             listed.asleep[k, c] = 0.0
     listed.travelled[0] = farthest(rods, listed.built, half)
     if not outdated(listed):
@@ -326,7 +326,7 @@ def renewed(up, rods, half, period, listed, place, found):
     if count >= 0:
         rebuilt(up, rods.shape[0], listed, found, count)
         for i in range(rods.shape[0]):
-            for c in range(listed.built.shape[1]):
+            for c in range(2 * len(up)):
                 listed.built[i, c] = rods[i, c]
     return count >= 0
 
