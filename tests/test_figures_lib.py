@@ -76,7 +76,7 @@ def test_data_in_a_folder_are_read_if_of_this_size_and_these_sources(tmp_path, m
 
 def test_sources_are_those_that_decide(tmp_path, monkeypatch):
     """An edit of a number counts where it is used; words and other figures do not."""
-    for folder in ("figures", "impact", "md"):
+    for folder in ("derivations", "figures", "impact", "md"):
         shutil.copytree(ROOT / folder, tmp_path / folder)
     monkeypatch.setattr(kept, "_HOUSE", tmp_path)
 
@@ -105,6 +105,11 @@ def test_sources_are_those_that_decide(tmp_path, monkeypatch):
         before, path = digest(name), tmp_path / "figures" / table
         path.write_text(path.read_text() + "# another run\n")
         assert digest(name) != before
+    before = [digest(name) for name in ("fig10", "fig11")]
+    formulas = tmp_path / "derivations/drift.py"
+    formulas.write_text(f"{formulas.read_text()}\nANOTHER = 1\n")
+    after = [digest(name) for name in ("fig10", "fig11")]
+    assert np.equal(before, after).tolist() == [True, False]  # Fig. 11 draws one of them
 
 
 def test_quick_pictures_say_so_and_full_ones_do_not(tmp_path, monkeypatch):

@@ -1,8 +1,9 @@
 """Data of figures, kept: what NAME.npz in a folder holds is read if it is of the present sources.
 
 Sources are the syntax trees (`md.cache.code_of`) of `md`, of `impact` and of what the figure's
-module imports from here, and the tables (TOML, JSON) of `md` and beside these modules: an edit of
-words keeps the data, an edit of a number or a formula does not.
+module imports from here, of `derivations` where one of these imports it, and the tables (TOML,
+JSON) of these packages and beside these modules: an edit of words keeps the data, an edit of a
+number or a formula does not.
 """
 
 import ast
@@ -40,6 +41,8 @@ def _imports(path: Path, found: set[Path]) -> set[Path]:
             for name in (base.with_suffix(".py"), *(base / f"{a.name}.py" for a in node.names)):
                 if name.is_file() and name not in found:
                     _imports(name, found)
+        elif isinstance(node, ast.ImportFrom) and str(node.module).startswith("derivations"):
+            found.update(_files("derivations"))
     return found
 
 
