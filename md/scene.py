@@ -170,8 +170,8 @@ class Step(Part):
     size : in sqrt(d/g); None: 24 a contact at twice the plate's peak velocity, more if these are
         not stable
     coarse : allow steps too long for the tangential springs, whose force then chatters within
-        mu F_n, up to the limit of the normal force: what it does to the drift, above all of rows
-        that lean less than 20 degrees, says `md.accuracy`
+        mu F_n, up to the limit of the normal force; upright rows drift several times as fast then
+        (`md.accuracy`)
     """
 
     size: Annotated[float, 1e-12, 1000.0] | None = None

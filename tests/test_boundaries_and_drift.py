@@ -103,6 +103,13 @@ def test_extreme_numbers_have_the_answer_of_large_ones():
     assert impact.landing_density(ends, fall_speed=1e-15).min() == 0
 
 
+def test_nothing_is_stationary_without_friction():
+    given = {"friction": [0.0, 0.3], "restitution": 0.5}
+    for found in (impact.drift(impact.thin_rod(tilt=0.4), **given), impact.optimal_tilt(**given)):
+        assert np.isnan(found.c_x).tolist() == [True, False]
+        assert (found.regime == Regime.INVALID).tolist() == [True, False]
+
+
 _RNG = default_rng(6)
 OPTIMA = [
     *((friction, 0.65) for friction in (1e-3, 0.05, 0.09, 0.12, 0.16, 0.2, 0.75, 0.8, np.inf)),

@@ -1,4 +1,4 @@
-"""Where a straightforward implementation breaks (T1-T14 and more), and that ours does not.
+"""Where a straightforward implementation breaks (T1-T15 and more), and that ours does not.
 
 A case is a function of an implementation (a module with `collide`, `critical_tilts`, `drift`).
 Every case passes on `impact` and is seen to fail on the straightforward formulas beside it.
@@ -141,6 +141,14 @@ def t9_drift_that_loses_nothing(theirs):
         assert tilt != 0 or found.c_z == np.inf
 
 
+def t10_energy(theirs):
+    """Newton's law gains up to B^2/(2 A D) of v_0^2 while sticking; the others nothing."""
+    sticking = every(tilt=np.pi / 4, c_x=0.6, friction=1.0, restitution=1.0)
+    gained, *kept = (sticking.collide(law, theirs.collide).energy_change for law in LAWS)
+    assert gained == pytest.approx(0.1125, rel=8 * EPS)
+    assert max(kept) <= 4 * EPS
+
+
 def t11_scales(theirs):
     """Lengths and speeds of 1e-300 ... 1e300 give the answer of unit scale."""
     for scale in (1e-300, 1e-155, 1e155, 1e300):
@@ -195,6 +203,14 @@ def t14_long_levers(theirs):
         plate_velocity=np.full(400, 2.0),
     )
     assert_accurate(theirs, impacts, 8 + 2 * A * C / (A * C - B * B))
+
+
+def t15_edges_inside_arrays(theirs):
+    """The branch not taken divides by zero; nobody hears of it."""
+    edges = PLAIN | {"X": SIDES, "friction": [0.0, 0.5, 2.5, np.inf], "restitution": 0.25}
+    with np.errstate(all="raise"):
+        hit = every(**edges, c_x=SIDES).collide(collide=theirs.collide)
+    assert np.isfinite(hit).all()
 
 
 def t16_nothing_moves_nothing_holds(theirs):

@@ -232,6 +232,7 @@ def test_closed_forms_are_those_of_python(run, name):
     values["tilt"][:20] = values["geometry"].X[:20] = values["friction"][:5] = 0
     values["tilt"][:9] = -0.0
     values["restitution"][10:30] = 1
+    values["approach_ratio"][15] = 1.7e308  # upright and lossless: 0 times a number that overflows
     given = {key: values[key] for key in arguments(name)}
     wanted = np.atleast_2d(getattr(impact, name)(**given))
     flat = [x for value in given.values() for x in np.atleast_2d(value)]

@@ -6,7 +6,7 @@ from mpmath import mpf
 from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal
 
-from impact import Body, collide_pair
+from impact import Body, Regime, collide_pair
 
 from .reference import reference_pair
 from .sampling import EPS, each_law
@@ -106,3 +106,13 @@ def test_a_turned_body_has_the_normal_of_that_angle_upright():
     single, listed = (REST._replace(X=X) for X in (np.ones(2, np.float32), [0.0, 3.0]))
     assert single.turned(0.0).X.dtype == np.float32
     assert listed.turned(0.0).X.tolist() == [0.0, 3.0]
+
+
+def test_two_bodies_that_nothing_moves_cannot_hit_each_other():
+    """Of infinite mass both; what parts stays as it is."""
+    driven = Body(np.inf, 1.0, 0.0, 1.0, 0.0, np.array([-1.0, 1.0]))
+    hit = collide_pair(
+        driven, Body(np.inf, 1.0, 0.0, -1.0, 0.0, 0.0), friction=0.3, restitution=0.5
+    )
+    assert hit.regime.tolist() == [Regime.INVALID, Regime.NO_IMPACT]
+    assert_array_equal(hit.first.c_z, [np.nan, 1.0])

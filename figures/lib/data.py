@@ -2,8 +2,8 @@
 
 Sources are the syntax trees (`md.cache.code_of`) of `md`, of `impact` and of what the figure's
 module imports from here, of `derivations` where one of these imports it, and the tables (TOML,
-JSON) of these packages and beside these modules: an edit of words keeps the data, an edit of a
-number or a formula does not.
+JSON) of these packages and beside these modules: an edit of words keeps the data but for
+words in a table, an edit of a number or a formula does not.
 """
 
 import ast

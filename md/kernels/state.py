@@ -150,8 +150,11 @@ def pull(total, i, arm, force):
 @kernel
 def kept_of(up, memory, row):
     """`Kept` of a contact from its row."""
-    rub = axial(memory.forces, row, 1, up)
-    return Kept(memory.forces[row, 0], rub, spring_of(up, memory.springs, row))
+    return Kept(
+        memory.forces[row, 0],
+        axial(memory.forces, row, 1, up),
+        spring_of(up, memory.springs, row),
+    )
 
 
 @kernel

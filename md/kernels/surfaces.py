@@ -9,8 +9,6 @@ cross (`pairs`). `side` is 1 of the inner wall, -1 of the outer one.
 from math import cos, sin, sqrt
 from typing import NamedTuple
 
-import numpy as np
-
 from ..cache import kernel
 from . import DEEP, INNER, OUTER, PLATE_WORK, WALL_NORMAL
 from .batch import FORCE, MOST, ONE, Alike, Given, acted, enter, get
@@ -230,7 +228,7 @@ def collect(effects, state, n, i, at, row, climb, dt):
 
     `row`: of the memory; `climb`: velocity of a shaken wall half a step before, and at the step.
     """
-    director, rod = rod_of(IN_SPACE, state.rods, i).director, np.uint64(i)
+    director = rod_of(IN_SPACE, state.rods, i).director
     arm = along(times(at.s, director), -at.reach, at.out)
     half, gain = moving(effects, state, i, arm)
     if effects.shaken is not None:
@@ -238,8 +236,7 @@ def collect(effects, state, n, i, at, row, climb, dt):
         half, gain = raised(half, -before), raised(gain, (before - now) * 2 / dt)
     # a rounding may have told a touch
     gap = times(0.5 + min(at.reach, 0.5), at.out)
-    where = rod, rod, np.uint64(row)
-    given = Given(where, gap, ((arm, director),), half, gain, at.share)
+    given = Given((i, i, row), gap, ((arm, director),), half, gain, at.share)
     return enter(state.scratch.batch, n, given, state.memory, IN_SPACE)
 
 
