@@ -52,6 +52,7 @@ from .placement import placed
 from .scene import GAP, Annulus, Contact, Scene
 
 STEPS_PER_CONTACT = 24  # at twice the plate's peak velocity
+UPRIGHT = cos(pi / 10)  # rods over the length of their box, in d, from which on they stand so
 _MOST_STEPS = 10**7  # of a period
 CALL_SECONDS = 0.02  # duration of a call of the kernel, for which a signal may have to wait
 _MOST_A_CALL = 500_000  # steps times rods; a flight says little about the contact behind it
@@ -66,6 +67,12 @@ def _forces(contact: Contact | None) -> ContactForces | None:
     if contact is None:
         return None
     return ContactForces(contact.law.normal, friction_of(contact.law, contact.friction))
+
+
+def upright(scene: Scene) -> bool:
+    """Whether rods rub on each other that lean less than 18 degrees in their box."""
+    box, rods = scene.box, scene.contacts.rods
+    return bool(box and rods and rods.friction and scene.rods.count > UPRIGHT * box.length)
 
 
 def stable_step(scene: Scene) -> tuple[float, float]:
@@ -85,21 +92,18 @@ def stable_step(scene: Scene) -> tuple[float, float]:
     pressed = 2 * caps
     between = 1 + 2 * along, 2 * pressed * max(1.0, across) - 1, 1
     if scene.annulus is not None:  # there they also rub as it leans across the row, and rolls
-        axial = rod.axial_gyration_squared if scene.rods.rolling else np.inf
-        turns = max(1.0, across, (1 + along) / pressed, 0.25 * light, 0.25 / axial)
-        between = 2 * turns - 1, pressed * max(1.0, across), pressed
+        rolls = 0.25 / rod.axial_gyration_squared if scene.rods.rolling else 0.0
+        between = 1 + 2 * max(along, across + rolls), pressed * max(1.0, across), pressed
     near = {
-        "plate": (along, across, caps, None),
-        "wall": (along, across, caps, caps),
-        "rods": (*between, pressed),
+        "plate": (along, across, caps, None, None),
+        "wall": (along, across, caps, caps, None),
+        "rods": (*between, pressed, 0.0 if upright(scene) else 0.9),  # 0: they stick in time
     }
     limits, times = [], []
-    for name, (along, across, caps, late) in near.items():
-        contact = getattr(scene.contacts, name)
+    for name, contact in vars(scene.contacts).items():
         if contact is not None:
             rubs, key = contact.friction > 0 and not scene.step.coarse, f"contacts.{name}."
-            load = contact.law, rubs, speed, along, across, caps
-            limits.append(largest_step(*load, late=late, rods=name == "rods", key=key))
+            limits.append(largest_step(contact.law, rubs, speed, *near[name], key=key))
             times.append(contact_time(contact.law, speed))
     return min(limits, default=np.inf), min(times, default=0.05)
 

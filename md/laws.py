@@ -213,9 +213,9 @@ def largest_step(
     along: float,
     across: float,
     caps: int = 1,
-    *,
     late: int | None = None,
-    rods: bool = False,
+    damped: float | None = None,
+    *,
     key: str = "",
 ) -> float:
     """Largest stable step for an impact at this speed, in sqrt(d/g).
@@ -227,7 +227,8 @@ def largest_step(
 
     - 1.1 K_t dt^2 over a plate, whose dashpots are solved for,
     - (19/16 - 11/(32 n)) K_t dt^2 + 4 (1 - 1/n) C_t dt of n contacts with a wall,
-    - 8/3 K_t dt^2 + 2 C_t dt of up to four contacts of rods, each solved for three alike,
+    - (4.85 K_t - a min(C_t^2, 4 K_t)) dt^2 of up to four contacts of rods, each solved for four
+      alike, with K_t and C_t of one and a = 0.9 or less,
 
     each right to two percent or on the safe side for contacts that slip alike.
 
@@ -240,7 +241,7 @@ def largest_step(
     caps : how many are pressed at once; several push and turn the rod together
     late : n, number of contacts that see each other a step late; None: caps over a plate, where
         only the lower one sees the other late, as 4/3 contacts would
-    rods : whether the contacts are of rods with each other
+    damped : a, of contacts of rods with each other; None: of others
     key : of the contact in a scene, with a dot at its end, for messages
 
     Raises
@@ -248,28 +249,29 @@ def largest_step(
     ValueError
         If the contact is too soft.
     """
-    normal, d, part, rubs = law.normal, deepest_overlap(law, speed), 1.1, 0.0
+    normal, d = law.normal, deepest_overlap(law, speed)
     if not d < DEEP / 2:
         soft = f"{key}stiffness {normal.stiffness:g} is too soft for an impact at {speed:.3g}"
         raise InputError(f"{soft}: overlap {d:.2g} d")
     others = 1 - (1 / late if late else 3 / (2 + caps))
-    if rods:
-        part, rubs = 8 / 3, 2.0
-    elif late:
-        part, rubs = 19 / 16 - 11 / (32 * late), 4 * others
     light = 1 + across if caps == 1 else 2 * max(1.0, across)
     stiff = 1.5 * normal.stiffness * sqrt(d) * light
     dash = (normal.quarter or 0.0) * sqrt(sqrt(d) / (1 + across)) * light
     dash += ((normal.proportional or 0.0) * d + (normal.constant or 0.0)) * light
     turns = 4 * dash / caps
-    dash *= 4 * others
     if friction and law.spring is not None:
-        spring, light = law.spring, caps * (1 + along)
+        spring, light = law.spring, 1 + along
         k = (spring.proportional or 0.0) * d + (spring.root or 0.0) * sqrt(d)
-        stiff += part * k * light
         rubbing = (spring.proportional_dashpot or 0.0) * d + (spring.constant_dashpot or 0.0)
-        rubbing += 2 * (spring.damping_ratio or 0.0) * sqrt(k / (1 + along))
-        dash += rubs * rubbing * light
+        rubbing += 2 * (spring.damping_ratio or 0.0) * sqrt(k / light)
+        if damped is not None:
+            stiff += (4.85 * k - damped * min(rubbing * rubbing * light, 4 * k)) * light
+        elif late:
+            stiff += (19 / 16 - 11 / (32 * late)) * k * light * caps
+            dash += rubbing * light * caps
+        else:
+            stiff += 1.1 * k * light * caps
+    dash *= 4 * others
     return 8 / max(dash + sqrt(dash * dash + 16 * stiff), turns)
 
 

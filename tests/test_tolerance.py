@@ -50,8 +50,8 @@ def test_a_fall_at_the_start_takes_no_step_that_is_not_stable(change, measure_bi
 
 
 def test_the_bias_of_rows_that_hardly_lean_is_measured_by_steps_stable_for_their_friction():
-    """The allowance is for rows that lean 20 degrees or more; one that just does takes it."""
-    length = md.load("quasi2d").rods.count / np.cos(np.radians([19.9, 20.3]))
+    """The allowance is for rows that lean 18 degrees or more; one that just does takes it."""
+    length = md.load("quasi2d").rods.count / np.cos(np.radians([17.9, 18.3]))
     upright, leaning = (["step.size=none", f"box.length={x}"] for x in length)
     chosen, measured = stepped(row := md.load("quasi2d", upright), 0.3)
     assert measured
@@ -61,15 +61,15 @@ def test_the_bias_of_rows_that_hardly_lean_is_measured_by_steps_stable_for_their
 
 
 def test_the_drift_of_a_row_that_hardly_leans_is_that_of_fine_steps():
-    """At 24 steps a contact, where its friction shakes it, it would be ten times as fast."""
+    """At 24 steps a contact it would be nine times as fast, as its rods would stick too seldom."""
     jammed = ["rods.count=20", "box.length=20.5", "plate.acceleration=2"]
     found = md.run(md.load("quasi2d", jammed), tolerance=0.5)
     finer = md.run(md.load("quasi2d", [*jammed, "step.size=4e-5"]), periods=320)
     assert abs(found.c_x - finer.c_x) < found.accuracy.error + 3 * finer.c_x_stderr
     coarse = md.load("quasi2d", [*jammed, "step.size=3.3e-4", "step.coarse=true"])
-    shaken = md.run(coarse, periods=320)
-    assert shaken.c_x > 5 * finer.c_x
-    assert "energy does not balance" in str(shaken)
+    assert md.run(coarse, periods=320).c_x > 5 * finer.c_x
+    shaken = [*jammed, "step.size=5e-4", "step.coarse=true", "contacts.rods.tangential_damping=0.3"]
+    assert "energy does not balance" in str(md.run(md.load("quasi2d", shaken), periods=100))
     assert "balance" not in f"{finer}{found}"
 
 

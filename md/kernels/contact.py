@@ -26,7 +26,7 @@ from .vectors import across, along, dot, nothing, spread, swing, times, torque
 
 HALVED = 0.5, 0.5**0.5, 0.5**0.25  # what is left of `powers_of` half the overlap
 EARLIER = 1 / 32  # of `gain` dt^2; springs without dashpots keep their energy with it
-ALIKE = 3  # contacts that a contact of rods is solved for; one alone and four are stable then
+ALIKE = 4  # contacts that a contact of rods is solved for
 LEAST = 1e-30  # d; no tangential element is taken at a smaller overlap
 
 
