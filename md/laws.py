@@ -241,7 +241,7 @@ def largest_step(
     caps : how many are pressed at once; several push and turn the rod together
     late : n, number of contacts that see each other a step late; None: caps over a plate, where
         only the lower one sees the other late, as 4/3 contacts would
-    damped : a, of contacts of rods with each other; None: of others
+    damped : a, of contacts of rods with each other: 0 where they are to stick in time; None: others
     key : of the contact in a scene, with a dot at its end, for messages
 
     Raises

@@ -206,8 +206,7 @@ def test_m6_the_largest_step_is_stable_for_a_row_pressed_together():
 def test_m6_the_largest_step_is_stable_for_rods_side_by_side(rolling):
     """Upright rods that touch both neighbours at both ends stay at rest as friction holds.
 
-    They overlap as deep as impacts go, and buckle slowly: by a factor of 18 in 100 steps, of half
-    the length in 200.
+    They overlap as deep as impacts go, and are held where they are, as they would buckle.
     """
     asked = ring(f"rods.rolling={rolling}", "rods.length=9.5", "step.coarse=false")
     deep = deepest_overlap(LOSSY, asked.impact_speed)
@@ -218,10 +217,11 @@ def test_m6_the_largest_step_is_stable_for_rods_side_by_side(rolling):
     scene = ROLLS._replace(inertia=ROLLS.inertia._replace(rolling=top)) if rolling else SPACE
     held = ContactForces(LOSSY.normal, ROUGH._replace(coefficient=1e3))
     engine = started(scene._replace(between=held), rods, largest(asked))
-    for _ in range(100):
+    held_at = rods[:, :VELOCITY].copy()
+    for _ in range(200):
         go(engine, 1)
-        engine.rods[:, PLACE], engine.rods[:, VELOCITY] = np.arange(5) * (1 - deep), 0  # are held
-    assert np.abs(engine.rods[:, VELOCITY:]).max() < 3e-5
+        engine.rods[:, :VELOCITY], engine.rods[:, VELOCITY] = held_at, 0
+    assert np.abs(engine.rods[:, VELOCITY:]).max() < 1e-5
 
 
 # M11: the phase
