@@ -169,6 +169,8 @@ def test_slippery_rows_that_have_not_run_are_missing(monkeypatch):
 def test_flights_change_half_way():
     d = {"nominal": np.array([9, 20, 30, 45]), "flight": np.array([2.0, 2.0, 1.0, 1.0])}
     assert over_tilt.change_tilt(d) == pytest.approx(25)
+    late = {"nominal": np.array([3, *d["nominal"]]), "flight": np.array([1.2, *d["flight"]])}
+    assert over_tilt.change_tilt(late) == pytest.approx(25)
     assert over_tilt.change_tilt({**d, "flight": np.full(4, 0.9)}) == np.inf
 
 

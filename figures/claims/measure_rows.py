@@ -106,12 +106,12 @@ def turned_round(data):
 def soft_impact(d):
     some = np.isclose(d["tilt"], soft.TABLE_TILTS[:, None]).any(axis=0)
     theory = soft.rigid(d["tilt"][some], fig12.EPSILON).regime
-    found = {}
+    found, laws = {}, list(soft.LAW_WORDS)
     for name, law in (("printed", "appendix_a"), ("coulomb", "coulomb")):
-        i = list(soft.LAW_WORDS).index(law)
+        i = laws.index(law)
         found[name] = Number(d["rms_constant"][i], d["step_error"][i], "halved step")
         found[f"{name}_regimes"] = count((d["regime"][i, some] == theory).sum())
-    return {**found, "seen": count(len(set(d["regime"][i, some])))}
+    return {**found, "seen": count(len(set(d["regime"][laws.index("coulomb"), some])))}
 
 
 @measures("S16")

@@ -83,10 +83,11 @@ def _mean(name: str, above: float = 0, below: float = 90) -> Callable[[Table], f
 
 def change_tilt(d: Table) -> float:
     """Tilt at which flights pass half way from the longest to one period; inf if they never do."""
-    flight = d["flight"]
-    if flight[0] <= 1 or not np.isfinite(flight).all():
+    longest = np.argmax(d["flight"])  # a nan counts as the largest
+    tilt, flight = d["nominal"][longest:], d["flight"][longest:]
+    if not flight[0] > 1:
         return np.inf
-    return crossing(d["nominal"], flight, (flight[0] + 1) / 2)
+    return crossing(tilt, flight, (flight[0] + 1) / 2)
 
 
 def _sharp(d: Table) -> float:
