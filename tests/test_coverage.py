@@ -32,18 +32,27 @@ def _rms_error(drifts):
     return np.sqrt(np.mean([standard_error(one) ** 2 for one in drifts]))
 
 
-def _ratio(drifts, periods):
-    """Rms scatter between starts of the mean drift over the rms of their errors."""
-    kept = drifts[:, transient(periods) : periods]
-    return kept.mean(axis=1).std(ddof=1) / _rms_error(kept)
+def _parts(series, periods):
+    """What `md.run` keeps of so many periods, and as many parts of that length as follow."""
+    kept = series[:, transient(periods) :]
+    length = periods - transient(periods)
+    return kept[:, : kept.shape[1] // length * length].reshape(-1, length)
+
+
+def _ratio(drifts):
+    """Rms scatter of the mean drifts over the rms of their errors."""
+    return drifts.mean(axis=1).std(ddof=1) / _rms_error(drifts)
 
 
 @pytest.mark.parametrize("name", [name for name in SCENES if name not in ("annulus", "Gamma 2")])
 def test_errors_are_as_large_as_the_scatter_between_starts(name):
-    """Their ratio is 0.8 to 1.25 from 128 periods on, to one error of it, 1/sqrt(2 50)."""
+    """Their ratio is 0.8 to 1.25 from 128 periods on, to one error of it, 1/sqrt(2 50).
+
+    What follows of longer runs counts as further starts.
+    """
     drifts, _ = _starts(name, 50, LENGTHS[-1])
     for periods in LENGTHS:
-        assert 0.8 / 1.1 < _ratio(drifts, periods) < 1.25 * 1.1
+        assert 0.8 / 1.1 < _ratio(_parts(drifts, periods)) < 1.25 * 1.1
 
 
 def test_a_drift_that_goes_with_the_change_of_tilt_has_a_rather_large_error():
@@ -52,10 +61,9 @@ def test_a_drift_that_goes_with_the_change_of_tilt_has_a_rather_large_error():
     That part of the drift is in the error, but in no mean over many periods. Parts of long runs
     tell it, to two errors of the ratio: fifty starts do not.
     """
-    late = _starts("Gamma 2", 10, 5000)[..., 1000:]
+    runs = _starts("Gamma 2", 10, 5000)
     for periods in LENGTHS:
-        length = periods - transient(periods)
-        drift, tilt = late[..., : 4000 // length * length].reshape(2, -1, length)
+        drift, tilt = (_parts(series, periods) for series in runs)
         change = np.gradient(tilt, axis=1)
         slope = [np.polyfit(x, y, 1)[:1] for x, y in zip(change, drift, strict=True)]
         scatter, margin = drift.mean(axis=1).std(ddof=1), np.sqrt(2 / len(drift))
@@ -68,7 +76,7 @@ def test_a_drift_that_goes_with_the_change_of_tilt_has_a_rather_large_error():
 def test_an_annulus_does_not_forget_its_start():
     """Twelve runs, walls at rest, scatter by far more than each of them lets one think."""
     drifts, _ = _starts("annulus", 12, 2000)
-    assert _ratio(drifts, 2000) > 2
+    assert _ratio(_parts(drifts, 2000)) > 2
 
 
 def test_one_run_in_an_annulus_quotes_no_error():
