@@ -175,7 +175,7 @@ def _rows(axes, d):
     b.plot([], [], "--", color="0.4", lw=0.8, label="theory")
     top = max(np.nanmax(d["c_x"]), 1)
     b.set(xlim=(1, None), ylim=(-0.45 * top, 1.15 * top))
-    b.legend(loc="lower right", ncols=2)
+    b.legend(loc="lower right", ncols=2, handlelength=1.2, columnspacing=1)
     _near_onset(c, d, "", {i: looks[i] for i in np.flatnonzero(d["nominal_deg"] >= 20)})
 
 
