@@ -133,8 +133,8 @@ def panel(ax: Axes, d: Data) -> None:
     log_log(ax, xlabel="number of rods $N$", ylabel="time of a period (ms)")
     rate = _throughput(d)[0]
     gains = [*zip(d["workers"], rate / rate[0], strict=True)][1:]
-    words = [f"{np.median(d['row'][:, 0]):.1f} ns per step of a rod"]
-    words += [f"{n} cores: {gain:.2f} times one" for n, gain in gains]
+    words = [f"{np.median(d['row'][:, 0]):.1f} ns per\nstep of a rod"]
+    words += [f"{n} cores:\n{gain:.2f} times one" for n, gain in gains]
     ax.text(0.97, 0.04, "\n".join(words), ha="right", transform=ax.transAxes)
     ax.legend(loc="upper left")
 
